@@ -1,0 +1,29 @@
+"""An interpreter for RAPID, the language of ABB's robot controllers: `load` a program, `start` a task, drive its effects.
+
+    program = load(["circle.mod"])
+    task = program.start()
+    run = task.run()
+    effect = next(run)
+    effect = run.send(None)
+
+Standard library only. It never waits, moves or measures: see `effects`.
+"""
+
+from rapid_interp.errors import Diagnostic, RapidError, RapidErrors, Severity
+from rapid_interp.program import Program, Task, check, check_texts, load, load_text, start_tasks
+from rapid_interp.source import SourceText
+
+__all__ = [
+    "Diagnostic",
+    "Program",
+    "RapidError",
+    "RapidErrors",
+    "Severity",
+    "SourceText",
+    "Task",
+    "check",
+    "check_texts",
+    "load",
+    "load_text",
+    "start_tasks",
+]

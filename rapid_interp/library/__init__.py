@@ -1,0 +1,1 @@
+"""The predefined routines, one module a family; `catalogue` finds them by name."""

@@ -1,0 +1,1 @@
+"""Meaning: names, types and the code that a routine compiles to. All static errors come from here."""

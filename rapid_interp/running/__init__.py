@@ -1,0 +1,1 @@
+"""Running: the task that steps through compiled code, and the values it works on."""
