@@ -1,0 +1,5 @@
+"""`python -m mitl` is `mitl`."""
+
+from mitl.cli import main
+
+main()

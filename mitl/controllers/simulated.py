@@ -1,0 +1,204 @@
+"""SimulatedController: executes RAPID in virtual time and moves a simulated arm. It offers nothing that a real controller lacks.
+
+Invariant: between two events of its program the arm's motion is known; nothing here knows about tracker or verdict.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+from mitl.controllers.faults import Fault, effect_filter, joint_offset, orientation_law
+from mitl.errors import MotionError, RigError
+from mitl.motion.chain import Planner
+from mitl.motion.program_run import ProgramRun, joints_home
+from mitl.motion.record import MotionRecord, View
+from mitl.motion.robot_model import RobotModel
+from mitl.paths import FloatArray
+from mitl.poses import pose_of
+from mitl.protocols import Clock, ExecutionState, LoggedEvent
+from rapid_interp import Program, RapidError, RapidErrors, Task, load
+
+_RUNTIME_ERROR = 40000
+_MOTION_ERROR = 50000
+_INFORMATION = 10000
+_WARNING = 50024
+
+
+class SimulatedController:
+    """A controller for one arm. Implements Controller for test cases, Process and JointSource for the simulated world.
+
+    Call `connect` with the world's clock before anything else. faults: what is wrong with it, on purpose.
+    """
+
+    def __init__(self, model: RobotModel, faults: Sequence[Fault] = ()) -> None:
+        self._model = model
+        self._faults = tuple(faults)
+        self._joint_offset = joint_offset(faults)
+        self._planner = Planner(model, orientation_law=orientation_law(faults))
+        self._clock: Clock | None = None
+        self._origin = 0.0
+        self._record = MotionRecord(model, joints_home())
+        self._program: Program | None = None
+        self._task: Task | None = None
+        self._run: ProgramRun | None = None
+        self._failed = False
+        self._motors = True
+        self._speed_ratio = 1.0
+        self._events: list[LoggedEvent] = []
+
+    def connect(self, clock: Clock) -> None:
+        """Gives the controller its clock."""
+        self._clock = clock
+
+    def reset(self) -> None:
+        """Puts everything back to how it was switched on: arm at home, no program, no event; its motion begins now."""
+        self._origin = self._now()
+        self._record = MotionRecord(self._model, joints_home())
+        self._program = self._task = self._run = None
+        self._failed, self._motors, self._speed_ratio = False, True, 1.0
+        self._events = []
+
+    # --- Process and JointSource ---------------------------------------------------------------------------------------------
+
+    def next_event(self) -> float:
+        """Gives the time in s at which the program goes on; inf when none runs."""
+        return math.inf if self._run is None else self._origin + self._run.next_event()
+
+    def run(self, now: float) -> None:
+        """Lets the program go on. What stops it by itself goes to the event log, as on a real controller."""
+        if self._run is None:
+            return
+        known = len(self._run.events)
+        try:
+            self._run.run(now - self._origin)
+        except (RapidError, RapidErrors) as error:
+            self._fail(now, _RUNTIME_ERROR, str(error))
+        except MotionError as error:
+            self._fail(now, _MOTION_ERROR, str(error))
+        for event in self._run.events[known:]:
+            self._log(now, _WARNING, "warning", event.text)
+
+    def joints_at(self, time: float) -> FloatArray:
+        """Gives the joints (6,) rad of the arm at `time` s."""
+        return self._record.joints_at(time - self._origin) + self._joint_offset
+
+    # --- Controller ----------------------------------------------------------------------------------------------------------
+
+    def load(self, sources: Sequence[Path]) -> None:
+        """Replaces the program by the given module files; the program pointer is at main. Waits until the arm stands still."""
+        if self.state() is ExecutionState.RUNNING:
+            raise RigError("load refused: RAPID is executing, stop it first")
+        self._let_it_come_to_rest()
+        try:
+            self._program = load(list(sources))
+        except RapidErrors as error:
+            raise RigError(f"load refused, the program has errors:\n{error}") from error
+        except OSError as error:
+            raise RigError(f"load refused: {error.filename}: {error.strerror or error}") from error
+        rest = self._record.joints_at(math.inf)
+        self._origin = self._now()
+        self._record = MotionRecord(self._model, rest)
+        self._task = self._program.start()
+        self._run = None
+        self._events = []
+
+    def start(self) -> None:
+        """Starts execution at main; a program that was stopped on its way has to be loaded again."""
+        if self._task is None:
+            raise RigError("start refused: no program is loaded")
+        if not self._motors:
+            raise RigError("start refused: the motors are off")
+        if self.state() is ExecutionState.RUNNING:
+            raise RigError("start refused: RAPID is executing already")
+        if self._run is not None:
+            raise RigError("start refused: the program was stopped or has ended; load it again")
+        now = self._now() - self._origin
+        self._run = ProgramRun(self._task.run(), self._planner, self._record, now=now, effect_filter=effect_filter(self._faults))
+        self._run.speed_ratio = self._speed_ratio
+        self._failed = False
+        self._log(self._now(), _INFORMATION, "info", "program started")
+
+    def stop(self) -> None:
+        """Stops execution along the path. Safe to call at any time, also twice."""
+        if self._run is not None and self.state() is ExecutionState.RUNNING:
+            self._run.hold(self._now() - self._origin)
+            self._log(self._now(), _INFORMATION, "info", "program stopped")
+
+    def state(self) -> ExecutionState:
+        """Gives whether RAPID is executing; a program that has ended runs until its last motion has."""
+        if self._run is None or self._failed:
+            return ExecutionState.STOPPED
+        ended = self._run.finished and self._now() - self._origin >= self._record.end
+        return ExecutionState.STOPPED if ended else ExecutionState.RUNNING
+
+    def read(self, name: str) -> str:
+        """Gives a RAPID variable as a RAPID literal."""
+        try:
+            return self._loaded_task("read").literal(name)
+        except RapidError as error:
+            raise RigError(f"reading {name} refused: {error}") from error
+
+    def write(self, name: str, literal: str) -> None:
+        """Sets a RAPID variable from a RAPID literal."""
+        try:
+            self._loaded_task("write").set(name, literal)
+        except RapidError as error:
+            raise RigError(f"writing {name} refused: {error}") from error
+
+    def read_signal(self, name: str) -> float:
+        """Gives the value of an output signal; 0 before it was first set."""
+        return 0.0 if self._run is None else self._run.value_of(name, self._now() - self._origin)
+
+    def joints(self) -> FloatArray:
+        """Gives the axis positions (6,) in rad, as the controller reports them."""
+        return self._record.joints_at(self._now() - self._origin, View.CONTROLLER)
+
+    def flange(self) -> FloatArray:
+        """Gives X_BF (7,), as the controller reports it."""
+        return pose_of(self._planner.arm.flange(self.joints()))
+
+    def set_motors(self, on: bool) -> None:
+        """Switches the motors; off stops the program."""
+        if not on:
+            self.stop()
+        self._motors = on
+
+    def set_speed_ratio(self, per_cent: float) -> None:
+        """Sets the speed override, 1 to 100 per cent, for what is planned from now on."""
+        if not 1 <= per_cent <= 100:
+            raise RigError(f"speed ratio refused: expected 1 to 100 per cent, got {per_cent:g}")
+        self._speed_ratio = per_cent / 100
+        if self._run is not None:
+            self._run.speed_ratio = self._speed_ratio
+
+    def event_log(self) -> list[LoggedEvent]:
+        """Gives the events logged since `load`, oldest first."""
+        return list(self._events)
+
+    # -------------------------------------------------------------------------------------------------------------------------
+
+    def _now(self) -> float:
+        if self._clock is None:
+            raise RigError("the simulated controller has no clock: connect() it to a world first")
+        return self._clock.now()
+
+    def _let_it_come_to_rest(self) -> None:
+        remaining = self._origin + self._record.end - self._now()
+        if remaining > 0 and self._clock is not None:
+            self._clock.wait(remaining)
+
+    def _loaded_task(self, what: str) -> Task:
+        if self._task is None:
+            raise RigError(f"{what} refused: no program is loaded")
+        return self._task
+
+    def _fail(self, now: float, number: int, text: str) -> None:
+        if self._run is not None:
+            self._run.hold(now - self._origin)
+        self._failed = True
+        self._log(now, number, "error", text)
+
+    def _log(self, now: float, number: int, level: str, text: str) -> None:
+        self._events.append(LoggedEvent(now, number, level, text))

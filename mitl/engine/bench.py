@@ -1,0 +1,251 @@
+"""Bench: what a case works with. It runs the case's program, tracks it, brings the recording into the work object, and judges nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from mitl.calibration.pose_set import CalibrationPoses
+from mitl.calibration.result import Calibration
+from mitl.engine.case_recording import RecordedRun
+from mitl.engine.recorder import CaseRecorder
+from mitl.errors import RigError
+from mitl.metrics.glitch import without_glitches
+from mitl.paths import FloatArray, PosePath
+from mitl.protocols import AveragedPoint, Clock, Controller, ExecutionState, Oracle, Rig, Tracker
+from mitl.recording.records import PoseTrack
+
+STILL = 0.3
+"""Seconds recorded before the order and after its end, so that both ends of the motion are seen at rest."""
+
+POLL = 0.05
+"""Seconds between two looks at the program's `option`."""
+
+
+@dataclass(frozen=True, eq=False)
+class TrackedRun:
+    """One order to the program, tracked.
+
+    raw: X_LM on the tracker's clock, invalid samples included. tool: the valid samples as X_OT, times unchanged. oracle: on its own clock,
+    0 where the program starts. began, ended: s on the rig's clock, when the order was given and when it was seen to be done.
+    """
+
+    option: int
+    sub_option: int
+    variables: dict[str, str]
+    raw: PosePath
+    tool: PosePath
+    oracle: Oracle
+    began: float
+    ended: float
+
+
+@dataclass(frozen=True, eq=False)
+class StillPoint:
+    """A still point: as the tracker averaged it (X_LM), and the same as X_OT, (7,) x y z in m, qw qx qy qz, in the work object."""
+
+    raw: AveragedPoint
+    tool: FloatArray
+
+
+class Bench:
+    """The fixture `bench` of one case: rig, the session's calibration with the poses it was solved from, and the case's program."""
+
+    def __init__(
+        self, rig: Rig, calibration: Calibration, poses: CalibrationPoses, recorder: CaseRecorder, *, calibrated_at: float
+    ) -> None:
+        self.rig = rig
+        self._calibrated_at = calibrated_at
+        self.calibration = calibration
+        self._poses = poses
+        self._still: list[tuple[AveragedPoint, FloatArray]] = []
+        self._recorder = recorder
+        self._loaded = False
+        self._tracking: str | None = None
+        self._oracles: dict[tuple[tuple[str, str], ...], Oracle] = {}
+        self._last: Oracle | None = None
+
+    @property
+    def controller(self) -> Controller:
+        """The rig's controller."""
+        return self.rig.controller
+
+    @property
+    def tracker(self) -> Tracker:
+        """The rig's tracker."""
+        return self.rig.tracker
+
+    @property
+    def clock(self) -> Clock:
+        """The rig's clock."""
+        return self.rig.clock
+
+    @property
+    def program(self) -> Path:
+        """The case's RAPID file. Raises ValueError where the case named none."""
+        if self._recorder.info.program is None:
+            raise ValueError(f"case {self._recorder.info.id} names no program: give @case(..., program='file.mod')")
+        return self._recorder.info.program
+
+    @property
+    def calibration_poses(self) -> CalibrationPoses:
+        """The poses that the session's calibration was solved from; a case that asks for them judges them, so its recording has them."""
+        self._recorder.paths.update(calibration_tracks(self._poses))
+        return self._poses
+
+    @property
+    def since_calibration(self) -> float:
+        """The time in s since the calibration was measured, in which the tracker may have drifted."""
+        return self.clock.now() - self._calibrated_at
+
+    @property
+    def last_oracle(self) -> Oracle:
+        """The oracle of the last `run` or `oracle`, whose tool and work object are in force. Raises ValueError before the first."""
+        if self._last is None:
+            raise ValueError("no order yet: the tool and work object are those of the last bench.run or bench.oracle")
+        return self._last
+
+    def run(
+        self,
+        option: int,
+        sub_option: int = 0,
+        *,
+        variables: Mapping[str, str] | None = None,
+        timeout: float = 120.0,
+        name: str | None = None,
+    ) -> TrackedRun:
+        """Gives the tracked execution of one order to the case's program, and records it under `name`.
+
+        variables: RAPID variables set to literals before the order. timeout in s of the rig's time. Raises RigError where the controller
+        stops by itself, the order is not done in time, or the tracker is lost.
+        """
+        chosen = dict(variables or {})
+        oracle = self.oracle(option, sub_option, variables=chosen)
+        label = name or f"{len(self._recorder.runs) + 1} option {option}.{sub_option}"
+        self.start()
+        self.tracker.start()
+        self._tracking = label
+        self.clock.wait(STILL)
+        began = self.clock.now()
+        order(self.rig, option, sub_option, variables=chosen, timeout=timeout)
+        ended = self.clock.now()
+        self.clock.wait(STILL)
+        self._tracking = None
+        raw = self.tracker.stop()
+        tool = self.in_work_object(raw, oracle) if raw.valid.any() else None
+        shift = float(raw.time[0]) + STILL if len(raw) else 0.0
+        self._recorder.runs.append(RecordedRun(label, raw, tool, oracle.tcp, shift))
+        if tool is None or not len(tool):
+            raise RigError(f"the tracker gave no valid pose during {label} ({len(raw)} samples): is it in view and awake?")
+        return TrackedRun(option, sub_option, chosen, raw, tool, oracle, began, ended)
+
+    def oracle(self, option: int, sub_option: int = 0, *, variables: Mapping[str, str] | None = None) -> Oracle:
+        """Gives what a nominal controller does with an order to the case's program; tool and work object of later points are its own."""
+        presets = {**(variables or {}), "option": str(option), "subOption": str(sub_option)}
+        key = tuple(sorted(presets.items()))
+        if key not in self._oracles:
+            self._oracles[key] = self.rig.oracles.oracle([self.program], presets)
+        self._last = self._oracles[key]
+        return self._last
+
+    def start(self) -> None:
+        """Loads the case's program unless it is loaded, and starts the controller unless it runs."""
+        if not self._loaded:
+            self.controller.stop()
+            self.controller.load([self.program])
+            self._loaded = True
+        if self.controller.state() is ExecutionState.STOPPED:
+            self.controller.start()
+
+    def go(
+        self, option: int, sub_option: int = 0, *, variables: Mapping[str, str] | None = None, timeout: float = 120.0, settle: float = 0.0
+    ) -> Oracle:
+        """Gives the case's program an order without tracking it, waits until it is done and `settle` seconds longer; gives its oracle."""
+        oracle = self.oracle(option, sub_option, variables=variables)
+        self.start()
+        order(self.rig, option, sub_option, variables=variables or {}, timeout=timeout)
+        self.clock.wait(settle)
+        return oracle
+
+    def still_point(self, seconds: float = 0.5) -> StillPoint:
+        """Gives the point where the tool stands, averaged over `seconds`, in the work object and with the tool of the last order.
+
+        Raises ValueError before the first `run`, `go` or `oracle`, RigError where the tracker is lost.
+        """
+        oracle = self.last_oracle
+        raw = self.tracker.average(seconds)
+        tool = self.in_work_object(_one_sample(raw.time, raw.position, raw.quaternion_wxyz), oracle)
+        if not len(tool):
+            raise RigError("the tracker's averaged point has no orientation: is it in view and awake?")
+        found = StillPoint(raw, np.concatenate([tool.position[0], tool.quaternion_wxyz[0]]))
+        self._still.append((raw, found.tool))
+        return found
+
+    def in_work_object(self, raw: PosePath, oracle: Oracle) -> PosePath:
+        """Gives the valid samples of X_LM as X_OT, the tool of `oracle` in its work object; times stay on the tracker's clock."""
+        return self.calibration.tool_path(without_glitches(raw), oracle.tool, oracle.wobj).only_valid()
+
+    def flange(self) -> FloatArray:
+        """Gives X_BF (7,), as the controller reports it."""
+        return self.controller.flange()
+
+    def record_path(self, name: str, path: PosePath, *, frame: str = "wobj", body: str = "tool") -> None:
+        """Keeps a path of `body` in `frame` in the case's recording, besides those of `run`."""
+        self._recorder.add_path(name, PoseTrack(path, frame, body))
+
+    def close(self) -> None:
+        """Keeps the still points, and what the tracker saw of a run that was broken off."""
+        if self._still:
+            raw = np.array([np.concatenate([point.position, point.quaternion_wxyz]) for point, _ in self._still])
+            time = np.array([point.time for point, _ in self._still])
+            self._recorder.paths["/tracker/still"] = PoseTrack(_path(time, raw), "tracker", "body")
+            self._recorder.paths["/tool/still"] = PoseTrack(_path(time, np.array([tool for _, tool in self._still])), "wobj", "tool")
+        if self._tracking is not None:
+            label, self._tracking = self._tracking, None
+            self._recorder.runs.append(RecordedRun(f"{label} broken off", self.tracker.stop(), None, None))
+
+
+def order(rig: Rig, option: int, sub_option: int, *, variables: Mapping[str, str], timeout: float) -> None:
+    """Gives an order to a running program that loops around TEST option, and waits until it is done.
+
+    Raises RigError where the controller stops by itself or `option` is not 0 again after `timeout` seconds.
+    """
+    controller, clock = rig.controller, rig.clock
+    for variable, literal in variables.items():
+        controller.write(variable, literal)
+    controller.write("subOption", str(sub_option))
+    controller.write("option", str(option))
+    until = clock.now() + timeout
+    while controller.read("option").strip() != "0":
+        if controller.state() is ExecutionState.STOPPED:
+            raise RigError(f"the controller stopped by itself during option {option}, subOption {sub_option}{_last_events(controller)}")
+        if clock.now() >= until:
+            raise RigError(
+                f"option {option}, subOption {sub_option} was not done after {timeout:g} s: expected the program to set option to 0"
+            )
+        clock.wait(POLL)
+
+
+def calibration_tracks(poses: CalibrationPoses) -> dict[str, PoseTrack]:
+    """Gives the poses of a calibration as tracks for a recording; their times are their numbers, because they stand still."""
+    number = np.arange(len(poses), dtype=np.float64)
+    return {
+        "/calibration/flange": PoseTrack(_path(number, poses.flange), "base", "flange"),
+        "/calibration/tracker": PoseTrack(_path(number, poses.tracked), "tracker", "body"),
+    }
+
+
+def _path(time: FloatArray, poses: FloatArray) -> PosePath:
+    return PosePath(time, poses[:, :3], poses[:, 3:], np.full(len(time), True))
+
+
+def _one_sample(time: float, position: FloatArray, quaternion_wxyz: FloatArray) -> PosePath:
+    return PosePath(np.array([time]), position[None], quaternion_wxyz[None], np.array([True]))
+
+
+def _last_events(controller: Controller) -> str:
+    events = [event for event in controller.event_log() if event.level != "info"] or controller.event_log()
+    return "; its log ends with: " + " | ".join(f"{event.number} {event.text}" for event in events[-3:]) if events else ""

@@ -1,0 +1,137 @@
+"""CaseRecorder: what a case says and measures while it runs. It is appended to only; `finish` makes the frozen record."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from mitl.engine.case import CaseInfo
+from mitl.engine.case_recording import RecordedRun, fresh, recording_of, slug
+from mitl.engine.record import CaseRecord, CheckRecord, Message
+from mitl.errors import MitlError
+from mitl.outcome import Outcome, worst
+from mitl.recording.records import LogMessage, PoseTrack, Recording, Series
+
+
+@dataclass
+class CaseRecorder:
+    """Collects checks, messages, paths and series of one case.
+
+    stop_robot and now are replaced by the fixture `rig`; a case without a rig has nothing to stop and runs on the computer's clock.
+    """
+
+    info: CaseInfo
+    stop_robot: Callable[[], None] = lambda: None
+    now: Callable[[], float] = time.monotonic
+    checks: list[CheckRecord] = field(default_factory=list)
+    messages: list[Message] = field(default_factory=list)
+    runs: list[RecordedRun] = field(default_factory=list)
+    paths: dict[str, PoseTrack] = field(default_factory=dict)
+    series: dict[str, Series] = field(default_factory=dict)
+    events: list[LogMessage] = field(default_factory=list)
+    log: list[str] = field(default_factory=list)
+    broken: bool = False
+    skipped: bool = False
+    fatal: bool = False
+    recording: str | None = None
+    began: float | None = None
+    ended: float | None = None
+
+    def say(self, level: str, text: str) -> None:
+        """Records a message."""
+        self.messages.append(Message(level, text))
+        self.events.append(LogMessage(max(0.0, self.now() - (self.began or 0.0)), level, text, self.info.id))
+
+    def error(self, text: str) -> None:
+        """Records that the case could not be judged, and why."""
+        self.broken = True
+        self.say("error", text)
+
+    def outcome(self) -> Outcome:
+        """Gives the outcome so far: the worst of the checks that count; a case that judged nothing is ERROR."""
+        found = [check.outcome for check in self.checks if not (check.warning and check.outcome is not Outcome.ERROR)]
+        if self.broken or not (self.checks or self.skipped):
+            found.append(Outcome.ERROR)
+        if self.skipped:
+            found.append(Outcome.SKIPPED)
+        return worst(found) if found else Outcome.PASS
+
+    def add_series(self, name: str, series: Series) -> str:
+        """Keeps a series under a topic of its own and gives the topic."""
+        topic = fresh(f"/check/{slug(name)}", self.series)
+        self.series[topic] = series
+        return topic
+
+    def add_path(self, name: str, track: PoseTrack) -> str:
+        """Keeps a path under a topic of its own and gives the topic."""
+        topic = fresh(f"/path/{slug(name)}", self.paths)
+        self.paths[topic] = track
+        return topic
+
+    def recorded(self, provenance: dict[str, str]) -> Recording:
+        """Gives all that was recorded, with the program's text attached; without paths and series there is nothing worth a file."""
+        program = self.info.program
+        attachments = {program.name: program.read_bytes()} if program is not None else {}
+        metadata = {"case": self.info.id, **provenance}
+        return recording_of(self.runs, paths=self.paths, series=self.series, log=self.events, metadata=metadata, attachments=attachments)
+
+    def start_clock(self, now: Callable[[], float]) -> None:
+        """Counts the case's duration from now on the given clock."""
+        self.now = now
+        self.began = now()
+        self.ended = None
+
+    def stop_clock(self) -> None:
+        """Ends the duration; the first call counts."""
+        if self.began is not None and self.ended is None:
+            self.ended = self.now()
+
+    def stop_now(self) -> None:
+        """Stops the robot on a way out, where a robot that cannot be reached is one more message."""
+        try:
+            self.stop_robot()
+        except MitlError as error:
+            self.error(f"the robot could not be told to stop: {error}")
+
+    def finish(self, log: str | None = None) -> CaseRecord:
+        """Gives the frozen record; `log` is the file name of the case's log, if there is one."""
+        self.stop_clock()
+        return self.preview(log)
+
+    def preview(self, log: str | None = None) -> CaseRecord:
+        """Gives the record as it would be if the case ended now."""
+        info = self.info
+        messages = tuple(self.messages)
+        if not (self.checks or self.broken or self.skipped):
+            messages += (Message("error", "the case made no check, so it judged nothing"),)
+        return CaseRecord(
+            id=info.id,
+            title=info.title,
+            outcome=self.outcome(),
+            duration_s=round((self.ended or 0.0) - (self.began or 0.0), 6),
+            checks=tuple(self.checks),
+            messages=messages,
+            recording=self.recording,
+            purpose=info.purpose,
+            requirement=info.requirement,
+            limit_source=info.limit_source,
+            catches=info.catches,
+            program=info.program.name if info.program else None,
+            source=_text(info) if info.program else None,
+            log=log,
+        )
+
+
+def file_name(case_id: str, suffix: str) -> str:
+    """Gives the name of a case's file in the run's folder: / becomes _, other odd characters become - and a hash keeps the name unique."""
+    plain = case_id.replace("/", "_")
+    safe = re.sub(r"[^A-Za-z0-9_.\-]", "-", plain).strip(".-")[:100] or "case"
+    return (safe if safe == plain else f"{safe}-{hashlib.sha256(case_id.encode()).hexdigest()[:8]}") + suffix
+
+
+def _text(info: CaseInfo) -> str:
+    assert info.program is not None  # noqa: S101 - the caller asked
+    return info.program.read_text(encoding="utf-8", errors="replace")

@@ -1,0 +1,222 @@
+"""results.json: run record to JSON and back. The writer is the contract (CONTRACT.md, schema 1); the reader refuses what does not fit."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any, TypeVar
+
+from mitl.engine.record import SCHEMA, BudgetTerm, CaseRecord, CheckRecord, Message, RunRecord
+from mitl.errors import UsageError
+from mitl.outcome import Outcome
+
+FILE_NAME = "results.json"
+
+
+def to_json(run: RunRecord) -> dict[str, Any]:
+    """Gives the run record as JSON values."""
+    return {
+        "schema": SCHEMA,
+        "outcome": run.outcome.value,
+        "rig": run.rig,
+        "robot": run.robot,
+        "seed": run.seed,
+        "faults": list(run.faults),
+        "started": run.started,
+        "wall_s": run.wall_s,
+        "interrupted": run.interrupted,
+        "versions": dict(run.versions),
+        "cases": [case_to_json(case) for case in run.cases],
+    }
+
+
+def case_to_json(case: CaseRecord) -> dict[str, Any]:
+    """Gives one case as JSON values."""
+    return {
+        "id": case.id,
+        "title": case.title,
+        "outcome": case.outcome.value,
+        "duration_s": case.duration_s,
+        "checks": [_check_to_json(check) for check in case.checks],
+        "messages": [{"level": message.level, "text": message.text} for message in case.messages],
+        "recording": case.recording,
+        "purpose": case.purpose,
+        "requirement": case.requirement,
+        "limit_source": case.limit_source,
+        "catches": list(case.catches),
+        "program": case.program,
+        "source": case.source,
+        "log": case.log,
+    }
+
+
+def _check_to_json(check: CheckRecord) -> dict[str, Any]:
+    return {
+        "name": check.name,
+        "value": check.value,
+        "unit": check.unit,
+        "limit": check.limit,
+        "uncertainty": check.uncertainty,
+        "outcome": check.outcome.value,
+        "at_least": check.at_least,
+        "warning": check.warning,
+        "series": check.series,
+        "budget": [{"name": term.name, "value": term.value, "source": term.source} for term in check.budget],
+    }
+
+
+def text_of(run: RunRecord) -> str:
+    """Gives the text of results.json."""
+    return json.dumps(to_json(run), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def read_run(folder: Path) -> RunRecord:
+    """Gives the record of a run's folder. Raises UsageError where results.json is missing, no JSON, or not of schema 1."""
+    path = folder / FILE_NAME
+    try:
+        value = json.loads(path.read_text(encoding="utf-8"), parse_constant=_no_constant)
+    except OSError as error:
+        raise UsageError(f"{path}: {error.strerror}; expected the folder of a run made by mitl verify") from error
+    except (ValueError, RecursionError) as error:
+        raise UsageError(f"{path}: not JSON: {error}") from error
+    return run_of(value, str(path))
+
+
+def case_of_json(value: object) -> CaseRecord:
+    """Gives one case from the JSON values of `case_to_json`."""
+    return _case(_Value(value, "case"))
+
+
+def run_of(content: object, where: str) -> RunRecord:
+    """Gives the run record of JSON values; `where` begins the message where they do not fit."""
+    value = _Value(content, where)
+    schema = value.at("schema").whole()
+    if schema != SCHEMA:
+        raise UsageError(f"{value.where}: schema {schema}; this mitl reads schema {SCHEMA}")
+    run = RunRecord(
+        rig=value.at("rig").text(),
+        robot=value.optional("robot", "").text(),
+        seed=value.at("seed").whole(),
+        cases=tuple(_case(item) for item in value.at("cases").items()),
+        versions={name: item.text() for name, item in value.at("versions").pairs()},
+        faults=tuple(item.text() for item in value.optional("faults", []).items()),
+        started=value.optional("started", "").text(),
+        wall_s=value.optional("wall_s", 0.0).number(),
+        interrupted=value.optional("interrupted", False).truth(),
+    )
+    said = value.at("outcome").outcome()
+    if said is not run.outcome:
+        raise UsageError(f"{value.where}: outcome is {said.value!r}, but its cases make it {run.outcome.value!r}")
+    return run
+
+
+def _case(value: _Value) -> CaseRecord:
+    return CaseRecord(
+        id=value.at("id").text(),
+        title=value.at("title").text(),
+        outcome=value.at("outcome").outcome(),
+        duration_s=value.at("duration_s").number(),
+        checks=tuple(_check(item) for item in value.at("checks").items()),
+        messages=tuple(Message(item.at("level").text(), item.at("text").text()) for item in value.at("messages").items()),
+        recording=value.at("recording").file_name(),
+        purpose=value.optional("purpose", "").text(),
+        requirement=value.optional("requirement", "").text(),
+        limit_source=value.optional("limit_source", "").text(),
+        catches=tuple(item.text() for item in value.optional("catches", []).items()),
+        program=value.optional("program", None).text_or_none(),
+        source=value.optional("source", None).text_or_none(),
+        log=value.optional("log", None).file_name(),
+    )
+
+
+def _check(value: _Value) -> CheckRecord:
+    return CheckRecord(
+        name=value.at("name").text(),
+        value=value.at("value").number_or_none(),
+        unit=value.at("unit").text(),
+        limit=value.at("limit").number(),
+        uncertainty=value.at("uncertainty").number_or_none(),
+        outcome=value.at("outcome").outcome(),
+        at_least=value.optional("at_least", False).truth(),
+        warning=value.optional("warning", False).truth(),
+        series=value.optional("series", None).text_or_none(),
+        budget=tuple(
+            BudgetTerm(item.at("name").text(), item.at("value").number(), item.optional("source", "").text())
+            for item in value.optional("budget", []).items()
+        ),
+    )
+
+
+_Kind = TypeVar("_Kind")
+
+
+class _Value:
+    """A JSON value with the place where it stands, so that a message can name it."""
+
+    def __init__(self, value: object, where: str) -> None:
+        self.value = value
+        self.where = where
+
+    def at(self, key: str) -> _Value:
+        inner = self._a(dict, "an object")
+        if key not in inner:
+            raise UsageError(f"{self.where}: {key!r} is missing")
+        return _Value(inner[key], f"{self.where}: {key}")
+
+    def optional(self, key: str, default: object) -> _Value:
+        inner = self._a(dict, "an object")
+        return _Value(inner.get(key, default), f"{self.where}: {key}")
+
+    def items(self) -> list[_Value]:
+        return [_Value(item, f"{self.where}[{number}]") for number, item in enumerate(self._a(list, "a list"))]
+
+    def pairs(self) -> list[tuple[str, _Value]]:
+        return [(name, _Value(item, f"{self.where}.{name}")) for name, item in self._a(dict, "an object").items()]
+
+    def text(self) -> str:
+        return self._a(str, "text")
+
+    def text_or_none(self) -> str | None:
+        return None if self.value is None else self.text()
+
+    def file_name(self) -> str | None:
+        """Gives a name in the same folder: a record must not make the report read elsewhere."""
+        name = self.text_or_none()
+        if name is not None and (Path(name).name != name or name in {".", ".."}):
+            raise UsageError(f"{self.where}: expected the name of a file in the run's folder, found {name!r}")
+        return name
+
+    def number(self) -> float:
+        if isinstance(self.value, int) and not isinstance(self.value, bool):
+            return float(self.value)
+        return self._a(float, "a number")
+
+    def number_or_none(self) -> float | None:
+        return None if self.value is None else self.number()
+
+    def whole(self) -> int:
+        if isinstance(self.value, bool):
+            raise self._unexpected("a whole number")
+        return self._a(int, "a whole number")
+
+    def truth(self) -> bool:
+        return self._a(bool, "true or false")
+
+    def outcome(self) -> Outcome:
+        try:
+            return Outcome(self.text())
+        except ValueError:
+            raise self._unexpected("one of " + ", ".join(outcome.value for outcome in Outcome)) from None
+
+    def _a(self, kind: type[_Kind], name: str) -> _Kind:
+        if not isinstance(self.value, kind):
+            raise self._unexpected(name)
+        return self.value
+
+    def _unexpected(self, expected: str) -> UsageError:
+        shown = json.dumps(self.value, ensure_ascii=False)
+        return UsageError(f"{self.where}: expected {expected}, found {shown[:60]}{'...' if len(shown) > 60 else ''}")
+
+
+def _no_constant(name: str) -> float:
+    raise ValueError(f"{name} is no JSON number")

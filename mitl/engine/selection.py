@@ -1,0 +1,28 @@
+"""Which cases are meant by what the user typed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from difflib import get_close_matches
+
+from mitl.engine.case import matches
+from mitl.errors import UsageError
+
+
+def select(ids: Sequence[str], wanted: Sequence[str]) -> set[str]:
+    """Gives the ids that are meant; without `wanted`, all. Raises UsageError for a name that means none, with those that are near."""
+    chosen: set[str] = set()
+    for name in wanted:
+        meant = {case_id for case_id in ids if matches(case_id, name.strip().rstrip("/"))}
+        if not meant:
+            raise UsageError(f"unknown case {name!r}: {_hint(ids, name)}")
+        chosen |= meant
+    return chosen if wanted else set(ids)
+
+
+def _hint(ids: Sequence[str], name: str) -> str:
+    groups = {case_id.rpartition("/")[0] for case_id in ids} - {""}
+    near = get_close_matches(name, [*ids, *groups], n=3, cutoff=0.7) or sorted(case_id for case_id in ids if name in case_id)[:3]
+    if near:
+        return "did you mean " + " or ".join(near) + "?"
+    return "expected one of " + ", ".join(sorted(groups)) + ", or a case below it (mitl verify --list)" if groups else "there are no cases"

@@ -1,0 +1,34 @@
+"""Jitter: how far apart the samples of a still point are."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import ConvexHull, QhullError
+from scipy.spatial.distance import pdist
+
+from mitl.paths import FloatArray, PosePath
+
+_DIRECTLY = 1500  # points of which all pairs are compared
+
+
+def jitter_diameter(position: FloatArray) -> float:
+    """Gives the diameter in m of the cloud of points (N, 3): the largest distance between two. Zero for fewer than two.
+
+    facts/tracker.md reads the thesis's jitter as this.
+    """
+    if len(position) < 2:
+        return 0.0
+    if len(position) > _DIRECTLY:
+        try:
+            position = position[ConvexHull(position).vertices]
+        except QhullError:  # all in one plane or on one line: the two farthest lie among the extremes of many directions
+            directions = np.random.default_rng(0).normal(size=(500, 3))
+            projected = position @ directions.T
+            position = position[np.unique(np.concatenate([projected.argmin(axis=0), projected.argmax(axis=0)]))]
+    return float(pdist(position).max()) if len(position) > 1 else 0.0
+
+
+def is_still(path: PosePath, limit: float) -> bool:
+    """Gives whether the valid samples stay within a cloud of diameter `limit` in m; a path without valid samples is not still."""
+    valid = path.only_valid()
+    return len(valid) > 0 and jitter_diameter(valid.position) < limit

@@ -1,0 +1,187 @@
+"""Runs a RAPID program without a rig, and samples what it did: the oracle.
+
+Invariant: nothing here depends on wall time; the same program gives the same numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Sequence
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.spatial.transform import RigidTransform, Rotation
+
+from mitl.motion import bridge
+from mitl.motion.chain import Planner
+from mitl.motion.kinematics import Arm
+from mitl.motion.legs import OrientationLaw, evenly
+from mitl.motion.path import IndexArray
+from mitl.motion.program_run import ProgramRun, joints_home
+from mitl.motion.record import TICK, ExecutedMove, MotionRecord, View
+from mitl.motion.robot_model import RobotModel
+from mitl.paths import FloatArray, PosePath
+from mitl.poses import pose_of
+from mitl.protocols import ProgrammedMove
+from rapid_interp import effects
+
+
+class Frame(Enum):
+    """The frame in which a path is expressed; mitl's world is the robot's base."""
+
+    WORLD = "world"
+    WORK_OBJECT = "wobj"
+    BASE = "base"
+
+
+@dataclass(frozen=True)
+class InputChange:
+    """An input signal that takes a value at a time in s."""
+
+    name: str
+    value: float
+    time: float
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """A motion at N times: path of the active TCP, speed (N,) m/s, joints (N, 6) rad, index (N,) of the executed move."""
+
+    path: PosePath
+    speed: FloatArray
+    joints: FloatArray
+    move: IndexArray
+
+
+def start_run(
+    generator: Generator[effects.Effect, effects.Reply, None],
+    model: RobotModel,
+    *,
+    inputs: Sequence[InputChange] = (),
+    orientation_law: OrientationLaw = evenly,
+) -> ProgramRun:
+    """Gives a program run from the robot's rest position at time 0, not yet begun."""
+    in_order = sorted(inputs, key=lambda change: change.time)
+
+    def value(name: str, time: float) -> float:
+        changes = [change.value for change in in_order if change.name.lower() == name.lower() and change.time <= time]
+        return changes[-1] if changes else 0.0
+
+    planner = Planner(model, orientation_law=orientation_law)
+    return ProgramRun(generator, planner, MotionRecord(model, joints_home()), inputs=value)
+
+
+def run_until(
+    run: ProgramRun, time: float, done: Callable[[float], bool] = lambda _: False, progress: Callable[[float], None] | None = None
+) -> float:
+    """Lets a program run until it ends, `done` says so, or its next event lies at or after `time` s; gives the time in s it got to."""
+    now = 0.0
+    while (following := run.next_event()) < time and not done(following):
+        now = following
+        run.run(now)
+        if progress is not None:
+            progress(now)
+    return now
+
+
+def duration_of(run: ProgramRun) -> float:
+    """Gives the time in s at which motion and program have ended, as far as the program has run."""
+    outputs = [change[0] for changes in run.signals.values() for change in changes]
+    return max([run.record.end, run.ended, *outputs])
+
+
+def path_length(run: ProgramRun, view: View, until: float) -> float:
+    """Gives the way in m of the active TCP up to `until` s, by ticks; a change of tool is no way."""
+    ticks: FloatArray = TICK * np.arange(int(np.ceil(min(until, run.record.end) / TICK)) + 1, dtype=np.float64)
+    if not run.record.moves or len(ticks) < 2:
+        return 0.0
+    X_BF = run.planner.arm.flange(run.record.joints(np.minimum(ticks, until), view))
+    tools = RigidTransform.concatenate([executed.move.leg.X_FT for executed in run.record.moves])[run.record.move_at(ticks[:-1])]
+    steps = (X_BF[1:] * tools).translation - (X_BF[:-1] * tools).translation
+    return float(np.linalg.norm(steps, axis=1).sum())
+
+
+def sample(run: ProgramRun, times: FloatArray, view: View, frame: Frame) -> Samples:
+    """Gives what a run did at ascending times (N,) in s.
+
+    Planned positions, orientations and speeds are exact; the other views come from joints at ticks of `record.TICK`.
+    """
+    record = run.record
+    move = record.move_at(times)
+    joints = record.joints(times, view)
+    if view is View.PLANNED and record.chains:
+        position, rotation, speed = record.planned_tcp(times)
+    else:
+        position, rotation = _tcp(run, joints, move)
+        speed = _speeds(run, times, view)
+    X_BT = RigidTransform.from_components(position, rotation)
+    if frame is Frame.WORK_OBJECT and record.moves:
+        X_BT = RigidTransform.concatenate([executed.move.X_BO for executed in record.moves])[move].inv() * X_BT
+    return Samples(_path(times, X_BT), speed, joints, move)
+
+
+def fixed_tool_path(run: ProgramRun, times: FloatArray, X_FT: RigidTransform, X_BO: RigidTransform) -> PosePath:
+    """Gives X_OT of one tool in one work object over ascending times (N,) in s, whichever are active; the tool view."""
+    return _path(times, X_BO.inv() * run.planner.arm.flange(run.record.joints(times, View.TOOL)) * X_FT)
+
+
+def programmed_moves(run: ProgramRun, moves: Sequence[ExecutedMove], origin: float) -> tuple[ProgrammedMove, ...]:
+    """Gives executed moves as programmed, in their work objects, with times counted from `origin` s."""
+    return tuple(_programmed(run.planner.arm, executed, origin) for executed in moves)
+
+
+def _programmed(arm: Arm, executed: ExecutedMove, origin: float) -> ProgrammedMove:
+    move = executed.move
+    effect, leg = move.effect, move.leg
+    X_OB = move.X_BO.inv()
+    return ProgrammedMove(
+        kind=type(effect).__name__,
+        start=pose_of(X_OB * arm.flange(leg.q_start) * leg.X_FT),
+        via=pose_of(bridge.target_frame(effect.via)) if isinstance(effect, effects.MoveC) else None,
+        end=pose_of(X_OB * arm.flange(leg.q_end) * leg.X_FT),
+        tcp_speed=move.speed.tcp if move.speed.duration is None else leg.travel / move.speed.duration,
+        zone=move.zone.radius,
+        module=effect.at.module,
+        line=effect.at.line,
+        begins=executed.begins - origin,
+        ends=executed.ends - origin,
+    )
+
+
+def _path(times: FloatArray, X: RigidTransform) -> PosePath:
+    pose = pose_of(X)
+    return PosePath(times, pose[:, :3], _continuous(pose[:, 3:]), np.ones(len(times), dtype=bool))
+
+
+def _tcp(run: ProgramRun, joints: FloatArray, move: IndexArray) -> tuple[FloatArray, Rotation]:
+    """Gives positions (N, 3) m and rotations of the active TCP in the base frame for joints (N, 6)."""
+    X_BF = run.planner.arm.flange(joints)
+    if not run.record.moves:
+        return X_BF.translation, X_BF.rotation
+    tools = [executed.move.leg.X_FT for executed in run.record.moves]
+    X_BT = X_BF * RigidTransform.concatenate(tools)[move]
+    return X_BT.translation, X_BT.rotation
+
+
+def _speeds(run: ProgramRun, times: FloatArray, view: View) -> FloatArray:
+    """Gives TCP speeds (N,) m/s: the derivative of a spline through the TCP at ticks, tool by tool."""
+    last = max(float(times[-1]), run.record.end) if len(times) else 0.0
+    ticks: FloatArray = TICK * np.arange(-2, int(np.ceil(last / TICK)) + 3, dtype=np.float64)
+    joints = run.record.joints(ticks, view)
+    speed: FloatArray = np.zeros(len(times))
+    tool_of = run.record.tool_indices()
+    active = tool_of[run.record.move_at(times)] if len(tool_of) else np.zeros(len(times), dtype=np.intp)
+    for tool in np.unique(active):
+        X_FT = run.record.moves[tool].move.leg.X_FT if len(tool_of) else RigidTransform.identity()
+        position = (run.planner.arm.flange(joints) * X_FT).translation
+        velocity = CubicSpline(ticks, position)(times, 1)
+        speed[active == tool] = np.linalg.norm(velocity[active == tool], axis=1)
+    return speed
+
+
+def _continuous(quaternion: FloatArray) -> FloatArray:
+    """Gives quaternions (N, 4) with signs chosen so that neighbours lie on the same side; qw of the first is not negative."""
+    flips = np.sum(quaternion[1:] * quaternion[:-1], axis=1) < 0
+    signs = np.concatenate([[1.0], np.where(np.cumsum(flips) % 2, -1.0, 1.0)])
+    return np.asarray(quaternion * signs[:, None])

@@ -1,0 +1,336 @@
+"""Path: the legs of one chain of moves, joined by corner zones, as functions of one path coordinate s in m.
+
+s is the TCP's arc length wherever the TCP travels more than it turns. Invariant: outside zones the TCP is on its line or circle exactly.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import PPoly
+from scipy.spatial.transform import RigidTransform, Rotation
+
+from mitl.motion.kinematics import Arm
+from mitl.motion.legs import CartesianLeg, JointLeg, Leg
+from mitl.motion.zones import FLAT, blended, off_corner, orientation_blend, position_blend, position_blend_slope
+from mitl.paths import BoolArray, FloatArray
+
+IndexArray = NDArray[np.intp]
+
+_NODES = 33
+_LEAST_STRETCH = 0.3
+"""Least ratio of TCP way to leg coordinate: in corners sharper than 145 deg s stops following the arc length, so that it stays regular."""
+_SHORTEST_PIECE = 1e-7
+_STEP = 2e-3
+"""Share of a zone's radius over which a leg's tangent and bend in joint space are taken."""
+
+
+@dataclass(frozen=True)
+class Corner:
+    """The zone between two legs: radius of the TCP zone and of the orientation zone, m of TCP travel; 0 is no zone."""
+
+    radius: float
+    turn_radius: float
+
+
+@dataclass(frozen=True, eq=False)
+class Sample:
+    """The path at N coordinates: position (N, 3) m and rotation of the active TCP in the base frame, joints (N, 6) rad, leg index (N,)."""
+
+    position: FloatArray
+    rotation: Rotation
+    joints: FloatArray
+    leg: IndexArray
+
+
+@dataclass(frozen=True, eq=False)
+class Pieces:
+    """K pieces of a path: edges (K+1,) in m of s, the leg (K,) each belongs to, and the corner (K,) whose TCP zone it lies in, or -1."""
+
+    edges: FloatArray
+    leg: IndexArray
+    zone: IndexArray
+
+
+class Path:
+    """Legs and corners in a row. `corners[i]` lies between legs i and i + 1."""
+
+    def __init__(self, arm: Arm, legs: Sequence[Leg], corners: Sequence[Corner]) -> None:
+        self.arm = arm
+        self.legs = tuple(legs)
+        self.corners = tuple(corners)
+        self._begins = np.concatenate([[0.0], np.cumsum([leg.length for leg in self.legs])])
+        self._scale = np.array([leg.length / leg.travel if leg.travel > 0 else 0.0 for leg in self.legs])
+        if self._begins[-1] < _SHORTEST_PIECE:  # moves to where the arm stands
+            self.length = 0.0
+            self._g_of_s = self._s_of_g = PPoly(np.array([[1.0], [0.0]]), np.array([0.0, 1.0]))
+            return
+        nodes = [self._nodes_of_corner(index) for index in range(len(self.corners)) if self.corners[index].radius > 0]
+        g, s, after, before = _chain_nodes(nodes, float(self._begins[-1]))
+        self.length = float(s[-1])
+        self._g_of_s = _hermite(s, g, 1 / after, 1 / before)
+        self._s_of_g = _hermite(g, s, after, before)
+
+    def pieces(self) -> Pieces:
+        """Gives the path's pieces, within which it is smooth: cut at programmed points, at zones' edges and where zones' blends bend."""
+        edges: list[float] = []
+        legs: list[int] = []
+        zones: list[int] = []
+        for index, leg in enumerate(self.legs):
+            before = self.corners[index - 1] if index > 0 else Corner(0.0, 0.0)
+            after = self.corners[index] if index < len(self.corners) else Corner(0.0, 0.0)
+            k, length = self._scale[index], leg.length
+            entered, left = before.radius * k, length - after.radius * k
+            bends = entered * FLAT, length - (length - left) * FLAT  # where the blend's third derivative jumps
+            marks = sorted({0.0, *bends, entered, before.turn_radius * k, length - after.turn_radius * k, left})
+            inside = [mark for mark in marks if 0.0 <= mark < length - _SHORTEST_PIECE]
+            kept = [mark for mark, following in itertools.pairwise([*inside, length]) if following - mark > _SHORTEST_PIECE or mark == 0.0]
+            for low, high in itertools.pairwise([*kept, length]):
+                middle = 0.5 * (low + high)
+                edges.append(self._begins[index] + low)
+                legs.append(index)
+                zones.append(index - 1 if middle < entered else index if middle > left else -1)
+        ends = np.array([*edges, self._begins[-1]])
+        return Pieces(np.asarray(self._s_of_g(ends)), np.array(legs, dtype=np.intp), np.array(zones, dtype=np.intp))
+
+    def close_marks(self) -> FloatArray:
+        """Gives the path coordinates (M,) in m near singularities: where the legs' joints were followed in finer steps than elsewhere."""
+        found = [np.empty(0)]
+        for index, leg in enumerate(self.legs):
+            if isinstance(leg, CartesianLeg) and len(leg.marks) > 2:
+                width = np.diff(leg.marks)
+                fine = width < 0.9 * width.max()
+                found.append(self._begins[index] + leg.marks[1:-1][fine[:-1] | fine[1:]])
+        marks = np.concatenate(found)
+        return np.asarray(self._s_of_g(marks)) if len(marks) else marks
+
+    def unevenness(self) -> FloatArray:
+        """Gives for every corner (M,) the logarithm of how differently fast the coordinates beside it run; 0 where it has no zone."""
+        zones = np.array([corner.radius > 0 for corner in self.corners], dtype=bool)
+        scale = np.where(self._scale > 0, self._scale, 1.0)
+        return np.where(zones, np.abs(np.diff(np.log(scale))), 0.0)
+
+    def leg_ends(self) -> FloatArray:
+        """Gives the path coordinates (legs + 1,) in m of the programmed points: the start, the middles of the corners, the end."""
+        return np.asarray(self._s_of_g(self._begins))
+
+    def zone_begins(self) -> FloatArray:
+        """Gives the path coordinates (legs + 1,) in m at which the zones about the programmed points begin; the points where none is."""
+        radius = np.array([0.0, *(corner.radius for corner in self.corners), 0.0])
+        scale = np.append(0.0, self._scale)
+        return np.asarray(self._s_of_g(self._begins - radius * scale))
+
+    def sample(self, s: FloatArray) -> Sample:
+        """Gives the path at ascending coordinates s (N,) in m. Joints are NaN where a pose is out of reach."""
+        leg_of, x = self._locate(s)
+        n = len(s)
+        position, quaternion, joints = np.empty((n, 3)), np.empty((n, 4)), np.empty((n, 6))
+        by_joints = np.zeros(n, dtype=bool)
+        for index in np.unique(leg_of):
+            here = np.flatnonzero(leg_of == index)
+            mask = self._by_joints(index, x[here])
+            by_joints[here] = mask
+            if mask.any():
+                joints[here[mask]] = self._joints_directly(index, x[here[mask]])
+            if not mask.all():
+                free = here[~mask]
+                position[free], rotation = self._cartesian(index, x[free])
+                quaternion[free] = rotation.as_quat()
+        for run in _runs(by_joints, [leg.X_FT for leg in self.legs], leg_of):
+            X_FT = self.legs[leg_of[run[0]]].X_FT
+            if by_joints[run[0]]:
+                X_BT = self.arm.flange(joints[run]) * X_FT
+                position[run], quaternion[run] = X_BT.translation, X_BT.rotation.as_quat()
+            else:
+                X_BT = RigidTransform.from_components(position[run], Rotation.from_quat(quaternion[run]))
+                joints[run] = self.arm.joints(X_BT * X_FT.inv(), self.legs[leg_of[run[0]]].joints_near(float(x[run[0]])))
+        return Sample(position, Rotation.from_quat(quaternion), joints, leg_of)
+
+    def positions(self, s: FloatArray) -> tuple[FloatArray, Rotation]:
+        """Gives TCP positions (N, 3) and rotations in the base frame at ascending coordinates; quicker than `sample`."""
+        leg_of, x = self._locate(s)
+        position, quaternion = np.empty((len(s), 3)), np.empty((len(s), 4))
+        for index in np.unique(leg_of):
+            here = np.flatnonzero(leg_of == index)
+            mask = self._by_joints(index, x[here])
+            if mask.any():
+                X_BT = self.arm.flange(self._joints_directly(index, x[here[mask]])) * self.legs[index].X_FT
+                position[here[mask]], quaternion[here[mask]] = X_BT.translation, X_BT.rotation.as_quat()
+            if not mask.all():
+                free = here[~mask]
+                position[free], rotation = self._cartesian(index, x[free])
+                quaternion[free] = rotation.as_quat()
+        return position, Rotation.from_quat(quaternion)
+
+    def _locate(self, s: FloatArray) -> tuple[IndexArray, FloatArray]:
+        g = np.clip(self._g_of_s(np.clip(s, 0.0, self.length)), 0.0, self._begins[-1])
+        leg_of = np.clip(np.searchsorted(self._begins, g, side="right") - 1, 0, len(self.legs) - 1)
+        return leg_of, g - self._begins[leg_of]
+
+    def _joint_corner(self, index: int) -> bool:
+        """Gives whether corner `index` is blended in joint space: beside a joint move, or where the tool changes."""
+        a, b = self.legs[index], self.legs[index + 1]
+        return isinstance(a, JointLeg) or isinstance(b, JointLeg) or a.X_FT is not b.X_FT
+
+    def _corners_beside(self, index: int) -> list[int]:
+        return [corner for corner in (index - 1, index) if 0 <= corner < len(self.corners) and self.corners[corner].radius > 0]
+
+    def _u(self, corner: int, index: int, x: FloatArray, radius: float) -> FloatArray:
+        """Gives the distance from the corner over `radius`, negative before it, of coordinates x on leg `index` beside it."""
+        from_corner = x if corner == index - 1 else x - self.legs[index].length
+        return np.asarray(from_corner / (radius * self._scale[index]))
+
+    def _by_joints(self, index: int, x: FloatArray) -> BoolArray:
+        mask = np.full(len(x), isinstance(self.legs[index], JointLeg))
+        for corner in self._corners_beside(index):
+            if self._joint_corner(corner):
+                mask |= np.abs(self._u(corner, index, x, self.corners[corner].radius)) < 1
+        return mask
+
+    def _cartesian(self, index: int, x: FloatArray) -> tuple[FloatArray, Rotation]:
+        leg = self.legs[index]
+        assert isinstance(leg, CartesianLeg)  # noqa: S101 - narrows the type; _by_joints has sorted the others out
+        position, rotation = leg.position(x), leg.rotation(x)
+        for corner in self._corners_beside(index):
+            if self._joint_corner(corner):
+                continue
+            a, b = self.legs[corner], self.legs[corner + 1]
+            assert isinstance(a, CartesianLeg)  # noqa: S101 - see above
+            assert isinstance(b, CartesianLeg)  # noqa: S101 - see above
+            radius, turn_radius = self.corners[corner].radius, self.corners[corner].turn_radius
+            u = self._u(corner, index, x, radius)
+            inside = np.abs(u) < 1
+            if inside.any():
+                v = off_corner(u[inside])
+                pa = a.position(a.length + v * radius * self._scale[corner])
+                pb = b.position(v * radius * self._scale[corner + 1])
+                position[inside] = blended(pa, pb, v, position_blend(v))
+            if turn_radius <= 0 or (a.turning == 0 and b.turning == 0):
+                continue
+            u = self._u(corner, index, x, turn_radius)
+            inside = np.abs(u) < 1
+            if inside.any():
+                v = off_corner(u[inside])
+                one = np.ones(1)
+                done_a = a.law(1 + v * turn_radius / a.travel) - a.law(one)
+                done_b = b.law(v * turn_radius / b.travel)
+                vector = blended(done_a[:, None] * a.turn, done_b[:, None] * b.turn, v, orientation_blend(v))
+                quaternion = rotation.as_quat()
+                quaternion[inside] = (b.R_start * Rotation.from_rotvec(vector)).as_quat()
+                rotation = Rotation.from_quat(quaternion)
+        return position, rotation
+
+    def _joints_directly(self, index: int, x: FloatArray) -> FloatArray:
+        """Gives joints (N, 6) on a joint leg or in a joint-space corner."""
+        leg = self.legs[index]
+        joints = leg.joints(x) if isinstance(leg, JointLeg) else np.empty((len(x), 6))
+        for corner in self._corners_beside(index):
+            if not self._joint_corner(corner):
+                continue
+            radius = self.corners[corner].radius
+            u = self._u(corner, index, x, radius)
+            inside = np.abs(u) < 1
+            if inside.any():
+                v = off_corner(u[inside])
+                qa = self._extended(corner, v, radius, end=True)
+                qb = self._extended(corner + 1, v, radius, end=False)
+                joints[inside] = blended(qa, qb, v, position_blend(v))
+        return joints
+
+    def _extended(self, index: int, u: FloatArray, radius: float, *, end: bool) -> FloatArray:
+        """Gives a leg's joints (N, 6) at u radii from its end or start; a Cartesian leg goes on beyond as a parabola in joint space.
+
+        Its tangent alone would not do: with a bend on one side only the blend's slope would jump at the corner.
+        """
+        leg = self.legs[index]
+        origin = leg.length if end else 0.0
+        x = origin + u * radius * self._scale[index]
+        if isinstance(leg, JointLeg):
+            return leg.joints(x)
+        q_corner = leg.q_end if end else leg.q_start
+        own = u < 0 if end else u > 0
+        step = -_STEP if end else _STEP
+        order = np.argsort(np.abs(u[own]))
+        asked = np.concatenate([origin + step * np.array([1.0, 2.0, 3.0]) * radius * self._scale[index], x[own][order]])
+        X_BT = RigidTransform.from_components(leg.position(asked), leg.rotation(asked))
+        q = self.arm.joints(X_BT * leg.X_FT.inv(), q_corner)
+        tangent = (18 * q[0] - 9 * q[1] + 2 * q[2] - 11 * q_corner) / 6
+        bend = 2 * q_corner - 5 * q[0] + 4 * q[1] - q[2]
+        steps = (u / step)[:, None]
+        joints = q_corner + steps * (tangent + 0.5 * steps * bend)
+        joints[np.flatnonzero(own)[order]] = q[3:]
+        return np.asarray(joints)
+
+    def _nodes_of_corner(self, index: int) -> _CornerNodes:
+        """Gives nodes over a zone. ds/du is smooth over the corner, also where the legs' coordinates run differently fast."""
+        radius = self.corners[index].radius
+        ka, kb = self._scale[index], self._scale[index + 1]
+        u = np.linspace(-1, 1, 2 * _NODES - 1)  # every second one only serves Simpson's rule
+        per_u = radius * np.exp(0.5 * ((1 - u) * np.log(ka) + (1 + u) * np.log(kb)))
+        if not self._joint_corner(index):
+            per_u *= np.maximum(self._tcp_way(index, u), _LEAST_STRETCH)
+        way = (per_u[:-2:2] + 4 * per_u[1:-1:2] + per_u[2::2]) * (u[2] - u[0]) / 6
+        u, per_u = u[::2], per_u[::2]
+        before_corner = np.arange(_NODES - 1) < _NODES // 2
+        k = np.where(before_corner, ka, kb)  # of the intervals: dg/du = radius k jumps at the corner, where ds/du does not
+        return _CornerNodes(
+            self._begins[index + 1] + u * radius * np.where(u < 0, ka, kb), way, per_u[:-1] / (radius * k), per_u[1:] / (radius * k)
+        )
+
+    def _tcp_way(self, index: int, u: FloatArray) -> FloatArray:
+        """Gives the TCP's way in radii per u at u (N,) in the zone between two Cartesian legs."""
+        a, b = self.legs[index], self.legs[index + 1]
+        assert isinstance(a, CartesianLeg)  # noqa: S101 - _joint_corner said so
+        assert isinstance(b, CartesianLeg)  # noqa: S101 - _joint_corner said so
+        radius = self.corners[index].radius
+        v, h = np.where(u == 0, 1e-4, u), 1e-5  # the slope of 0 / 0 needs a wider berth than its value
+        pa, pb = a.curve.position(a.travel + v * radius), b.curve.position(v * radius)
+        da = (a.curve.position(a.travel + (v + h) * radius) - a.curve.position(a.travel + (v - h) * radius)) / (2 * h)
+        db = (b.curve.position((v + h) * radius) - b.curve.position((v - h) * radius)) / (2 * h)
+        ratio = position_blend(v) / (2 * v)
+        ratio_slope = (position_blend_slope(v) - position_blend(v) / v) / (2 * v)
+        velocity = 0.5 * (da + db) + ratio[:, None] * (db - da) + ratio_slope[:, None] * (pb - pa)
+        return np.asarray(np.linalg.norm(velocity, axis=1) / radius)
+
+
+@dataclass(frozen=True, eq=False)
+class _CornerNodes:
+    """Nodes over a zone: g (K,), and for the K - 1 intervals the way in s and the slopes ds/dg at both ends."""
+
+    g: FloatArray
+    way: FloatArray
+    after: FloatArray
+    before: FloatArray
+
+
+def _chain_nodes(corners: list[_CornerNodes], total: float) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Gives nodes of a path of `total` coordinate length: g (N,), s (N,), and per interval ds/dg after its begin and before its end."""
+    g, ways, after, before = [np.zeros(1)], [], [], []
+    for corner in [*corners, _CornerNodes(np.array([total]), np.empty(0), np.empty(0), np.empty(0))]:
+        gap = corner.g[0] - g[-1][-1]
+        joined = gap < 1e-12 * max(total, 1.0)  # where two zones meet, or one begins with the path, there is no straight stretch between
+        g.append(corner.g[1:] if joined else corner.g)
+        ways.append(corner.way if joined else np.append(gap, corner.way))
+        after.append(corner.after if joined else np.append(1.0, corner.after))
+        before.append(corner.before if joined else np.append(1.0, corner.before))
+    s = np.concatenate([[0.0], np.cumsum(np.concatenate(ways))])
+    return np.concatenate(g), s, np.concatenate(after), np.concatenate(before)
+
+
+def _hermite(x: FloatArray, y: FloatArray, after: FloatArray, before: FloatArray) -> PPoly:
+    """Gives the piecewise cubic through (x, y) (N,) with slopes (N - 1,) after the begin and before the end of each interval."""
+    width = np.diff(x)
+    mean = np.diff(y) / width
+    return PPoly(np.stack([(after + before - 2 * mean) / width**2, (3 * mean - 2 * after - before) / width, after, y[:-1]]), x)
+
+
+def _runs(by_joints: BoolArray, tools: list[RigidTransform], leg_of: IndexArray) -> list[IndexArray]:
+    """Gives runs of sample indices with the same way of evaluation and the same tool."""
+    tool_of_leg = np.array([next(i for i, other in enumerate(tools) if other is tool) for tool in tools])
+    key = tool_of_leg[leg_of] * 2 + by_joints
+    cuts = np.flatnonzero(np.diff(key)) + 1
+    return [run for run in np.split(np.arange(len(leg_of)), cuts) if len(run)]

@@ -1,0 +1,184 @@
+"""MotionRecord: what an arm has been told to do so far, in time: planned, and as the arm and the controller's report follow it.
+
+Time runs in ticks from 0. Invariant: what has been recorded up to (the newest chain's start - half a filter) never changes again.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import Enum
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.spatial.transform import Rotation
+
+from mitl.motion.chain import Chain, PlannedMove
+from mitl.motion.filters import moving_average
+from mitl.motion.robot_model import RobotModel
+from mitl.motion.timing import braked
+from mitl.paths import FloatArray
+
+TICK = 4e-3
+"""Spacing in s of the joint samples behind every view; the plan itself is exact at any time."""
+
+
+class View(Enum):
+    """The three views of a motion: where the tool goes, what the controller reports, what was planned."""
+
+    TOOL = "tool"
+    CONTROLLER = "controller"
+    PLANNED = "planned"
+
+
+@dataclass(frozen=True, eq=False)
+class ScheduledChain:
+    """A chain that begins at `start` s."""
+
+    start: float
+    chain: Chain
+
+    @property
+    def end(self) -> float:
+        """Gives the time in s at which the plan comes to rest."""
+        return self.start + self.chain.timing.duration
+
+
+@dataclass(frozen=True, eq=False)
+class ExecutedMove:
+    """A motion instruction with the times in s at which the plan passes its start and its end (the middles of corners)."""
+
+    move: PlannedMove
+    begins: float
+    ends: float
+
+
+class MotionRecord:
+    """The motion of one arm from rest at joints `q_start` (6,) rad at time 0."""
+
+    def __init__(self, model: RobotModel, q_start: FloatArray) -> None:
+        self.model = model
+        self.chains: list[ScheduledChain] = []
+        self.moves: list[ExecutedMove] = []
+        self._planned = q_start[None, :].copy()
+        self._views: dict[View, FloatArray] = {View.TOOL: self._planned, View.CONTROLLER: self._planned}
+
+    @property
+    def half_filter(self) -> float:
+        """Gives how long in s the arm moves before and after the plan does."""
+        return float(self.model.arm_windows.sum() / 2)
+
+    @property
+    def end(self) -> float:
+        """Gives the time in s from which on nothing moves any more."""
+        return self.chains[-1].end + self.half_filter if self.chains else 0.0
+
+    @property
+    def joints_planned_last(self) -> FloatArray:
+        """Gives the joints (6,) rad at which the plan comes to rest."""
+        return np.asarray(self._planned[-1])
+
+    def add(self, start: float, chain: Chain, *, moves: range | None = None, begun: float | None = None) -> None:
+        """Schedules a chain at `start` s, not before the former one's end.
+
+        moves: those of the chain's moves to enter as executed here (all, unless a chain is carried on by another). begun: time at which the
+        first of them began, where a former chain began it.
+        """
+        scheduled = ScheduledChain(start, chain)
+        passing = start + chain.passing_times()
+        for index in range(len(chain.moves)) if moves is None else moves:
+            begins = float(passing[index]) if begun is None else begun
+            begun = None
+            self.moves.append(ExecutedMove(chain.moves[index], begins, float(passing[index + 1])))
+        self.chains.append(scheduled)
+        self._extend(scheduled)
+
+    def brake(self, time: float) -> None:
+        """Stops the motion along the path, from `time` s on, as fast as the path's acceleration allows; what follows is dropped."""
+        newest = self.chains[-1]
+        if time >= newest.end:
+            return
+        timing = braked(newest.chain.timing, max(time - newest.start, 0.0), self.model.tcp_acceleration, self.model.acceleration_window)
+        self.chains[-1] = scheduled = ScheduledChain(newest.start, replace(newest.chain, timing=timing))
+        self._planned = self._planned[: self._first_tick(newest.start)]
+        self.moves = [executed for executed in self.moves if executed.begins <= scheduled.end]
+        self._extend(scheduled)
+
+    def joints_at(self, time: float, view: View = View.TOOL) -> FloatArray:
+        """Gives the joints (6,) rad at `time` s as the arm follows, by cubic interpolation between ticks."""
+        values = self._views[view]
+        place = min(max(time / TICK, 0.0), len(values) - 1.0)
+        k = min(int(place), len(values) - 2)
+        if k < 0:
+            return np.asarray(values[0])
+        u = place - k
+        before, left, right, after = values[max(k - 1, 0)], values[k], values[k + 1], values[min(k + 2, len(values) - 1)]
+        c0, c1 = -0.5 * u * (1 - u) ** 2, 1 + u * u * (1.5 * u - 2.5)
+        c2, c3 = u * (0.5 + u * (2 - 1.5 * u)), -0.5 * u * u * (1 - u)
+        return np.asarray(c0 * before + c1 * left + c2 * right + c3 * after)
+
+    def joints(self, time: FloatArray, view: View) -> FloatArray:
+        """Gives joints (N, 6) rad at times (N,) s in a view; they rest before 0 and after the end."""
+        ticks = self._planned if view is View.PLANNED else self._views[view]
+        if len(ticks) < 2:
+            return np.repeat(ticks, len(time), axis=0)
+        return np.asarray(CubicSpline(TICK * np.arange(len(ticks)), ticks)(np.clip(time, 0.0, TICK * (len(ticks) - 1))))
+
+    def joint_speeds(self, view: View) -> FloatArray:
+        """Gives joint speeds (M, 6) rad/s at all ticks of a view."""
+        ticks = self._planned if view is View.PLANNED else self._views[view]
+        return np.asarray(np.gradient(ticks, TICK, axis=0)) if len(ticks) > 1 else np.zeros_like(ticks)
+
+    def move_at(self, time: FloatArray) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
+        """Gives the index (N,) of the executed move at times (N,) s; it keeps its value while standing, and is 0 before the first."""
+        begins = np.array([executed.begins for executed in self.moves])
+        return np.maximum(np.searchsorted(begins, time, side="right") - 1, 0)
+
+    def tool_indices(self) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
+        """Gives for each executed move (M,) the index of the first move with the same tool."""
+        first: dict[int, int] = {}
+        return np.array([first.setdefault(id(executed.move.leg.X_FT), index) for index, executed in enumerate(self.moves)], dtype=np.intp)
+
+    def planned_tcp(self, time: FloatArray) -> tuple[FloatArray, Rotation, FloatArray]:
+        """Gives position (N, 3) m, rotation, speed (N,) m/s of the active TCP in the base frame, exactly as planned, at ascending times."""
+        position, quaternion, speed = np.empty((len(time), 3)), np.empty((len(time), 4)), np.zeros(len(time))
+        starts = np.array([scheduled.start for scheduled in self.chains])
+        chain_of = np.clip(np.searchsorted(starts, time, side="right") - 1, 0, None)
+        for index in np.unique(chain_of):
+            here = np.flatnonzero(chain_of == index)
+            scheduled = self.chains[index]
+            path = scheduled.chain.path
+            s, v, _ = scheduled.chain.timing.at(time[here] - scheduled.start)
+            position[here], rotation = path.positions(s)
+            quaternion[here] = rotation.as_quat()
+            h = 1e-6
+            low, high = np.clip(s - h, 0, path.length), np.clip(s + h, 0, path.length)
+            moved = np.linalg.norm(path.positions(high)[0] - path.positions(low)[0], axis=1)
+            speed[here] = v * moved / np.maximum(high - low, 1e-12)
+        return position, Rotation.from_quat(quaternion), speed
+
+    def _first_tick(self, time: float) -> int:
+        return int(np.ceil(time / TICK - 1e-9))
+
+    def _extend(self, scheduled: ScheduledChain) -> None:
+        """Samples a chain at the ticks, holding the former rest until its start, and filters what has become new."""
+        first, beyond = self._first_tick(scheduled.start), self._first_tick(scheduled.end) + 1
+        rest = np.repeat(self._planned[-1:], max(first - len(self._planned), 0), axis=0)
+        ticks: FloatArray = TICK * np.arange(first, beyond, dtype=np.float64)
+        s = scheduled.chain.timing.at(ticks - scheduled.start)[0]
+        sampled = (
+            scheduled.chain.path.sample(s).joints if scheduled.chain.path.length > 0 else np.repeat(self._planned[-1:], len(s), axis=0)
+        )
+        known = min(len(self._planned), first)
+        hold = int(np.ceil(max(self.model.arm_windows.sum(), self.model.controller_windows.max()) / 2 / TICK)) + 2
+        self._planned = np.concatenate([self._planned[:first], rest, sampled])
+        self._filter_from(max(known - 2 * hold, 0), hold)
+
+    def _filter_from(self, tick: int, hold: int) -> None:
+        """Computes the arm's and the controller's views anew from a tick on, `hold` ticks past the plan's end."""
+        margin = min(2 * hold, tick)
+        tail = np.concatenate([self._planned[tick - margin :], np.repeat(self._planned[-1:], hold, axis=0)])
+        once = moving_average(tail, TICK, [self.model.arm_windows[0]] * 6)
+        arm = moving_average(once, TICK, [self.model.arm_windows[1]] * 6)
+        report = moving_average(tail, TICK, self.model.controller_windows)
+        for view, values in ((View.TOOL, arm), (View.CONTROLLER, report)):
+            self._views[view] = np.concatenate([self._views[view][:tick], values[margin:]])

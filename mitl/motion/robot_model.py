@@ -1,0 +1,150 @@
+"""RobotModel: what the planner knows of an arm, read strictly from `models/<robot>/motion.toml`.
+
+Invariant: SI throughout (m, rad, s); degrees and millimetres end at this file's reader.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mitl.errors import UsageError
+from mitl.paths import FloatArray
+from mitl.resources import models_folder
+
+_JOINTS = 6
+
+
+@dataclass(frozen=True, eq=False)
+class OpwParameters:
+    """Ortho-parallel basis with spherical wrist, m; offsets (6,) rad, signs (6,) +-1; the convention is py-opw-kinematics'."""
+
+    a1: float
+    a2: float
+    b: float
+    c1: float
+    c2: float
+    c3: float
+    c4: float
+    offsets: FloatArray
+    signs: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class RobotModel:
+    """Geometry, limits and dynamics of one arm.
+
+    lower, upper (6,) rad; speed (6,) rad/s; acceleration (6,) rad/s^2. tcp_acceleration m/s^2 along the path, smoothed over
+    acceleration_window s; corner_acceleration m/s^2 across the path; vmax m/s. arm_windows: widths in s of the two moving averages
+    between plan and tool; controller_windows (6,) s: the same between plan and what the controller reports. start_latency s from a
+    command to the start of the plan. fine_pause (K,) s at peak leg speeds fine_pause_speed (K,) m/s.
+    """
+
+    name: str
+    description: str
+    folder: Path
+    opw: OpwParameters
+    lower: FloatArray
+    upper: FloatArray
+    speed: FloatArray
+    acceleration: FloatArray
+    tcp_acceleration: float
+    acceleration_window: float
+    corner_acceleration: float
+    vmax: float
+    arm_windows: FloatArray
+    controller_windows: FloatArray
+    start_latency: float
+    fine_pause_speed: FloatArray
+    fine_pause: FloatArray
+
+    @property
+    def urdf(self) -> Path:
+        """Gives the robot's URDF file."""
+        return self.folder / "robot.urdf"
+
+    def pause_after(self, peak_speed: float) -> float:
+        """Gives the standstill in s that the plan has at a fine point after a leg with this peak speed in m/s."""
+        return float(np.interp(peak_speed, self.fine_pause_speed, self.fine_pause))
+
+
+def robot_names() -> list[str]:
+    """Gives the names of the robots that mitl has a model of."""
+    return sorted(folder.parent.name for folder in models_folder().glob("*/motion.toml"))
+
+
+def load_robot_model(name: str) -> RobotModel:
+    """Gives the model of the robot `name`, a folder in models/ or a path to such a folder.
+
+    Raises UsageError naming the file and the key where something is missing or of the wrong kind.
+    """
+    folder = Path(name) if "/" in name else models_folder() / name
+    file = folder / "motion.toml"
+    if not file.is_file():
+        raise UsageError(f"no robot model {name!r}: known are {', '.join(robot_names())}")
+    try:
+        table = tomllib.loads(file.read_text(encoding="utf-8"))
+    except tomllib.TOMLDecodeError as error:
+        raise UsageError(f"{file}: not valid TOML: {error}") from error
+    reader = _Reader(file, table)
+    return RobotModel(
+        name=reader.text("robot", "name"),
+        description=reader.text("robot", "description"),
+        folder=folder,
+        opw=OpwParameters(
+            **{key: reader.number("opw", key) for key in ("a1", "a2", "b", "c1", "c2", "c3", "c4")},
+            offsets=np.radians(reader.array("opw", "offsets_deg", _JOINTS)),
+            signs=reader.array("opw", "signs", _JOINTS),
+        ),
+        lower=np.radians(reader.array("joints", "lower_deg", _JOINTS)),
+        upper=np.radians(reader.array("joints", "upper_deg", _JOINTS)),
+        speed=np.radians(reader.array("joints", "speed_deg_s", _JOINTS)),
+        acceleration=np.radians(reader.array("joints", "acceleration_deg_s2", _JOINTS)),
+        tcp_acceleration=reader.number("tcp", "acceleration_m_s2"),
+        acceleration_window=reader.number("tcp", "acceleration_window_s"),
+        corner_acceleration=reader.number("tcp", "corner_acceleration_m_s2"),
+        vmax=reader.number("tcp", "vmax_m_s"),
+        arm_windows=reader.array("executed", "arm_windows_s", 2),
+        controller_windows=reader.array("executed", "controller_windows_s", _JOINTS),
+        start_latency=reader.number("executed", "start_latency_s"),
+        fine_pause_speed=reader.array("executed", "fine_pause_speed_m_s"),
+        fine_pause=reader.array("executed", "fine_pause_s"),
+    )
+
+
+@dataclass(frozen=True)
+class _Reader:
+    """Takes typed values out of a parsed TOML table; its errors name file and key."""
+
+    file: Path
+    table: dict[str, Any]  # tomllib's own result type
+
+    def _value(self, section: str, key: str) -> Any:  # noqa: ANN401 - tomllib's own result type
+        try:
+            return self.table[section][key]
+        except (KeyError, TypeError):
+            raise UsageError(f"{self.file}: missing [{section}] {key}") from None
+
+    def text(self, section: str, key: str) -> str:
+        value = self._value(section, key)
+        if not isinstance(value, str):
+            raise UsageError(f"{self.file}: [{section}] {key} must be a string, is {value!r}")
+        return value
+
+    def number(self, section: str, key: str) -> float:
+        value = self._value(section, key)
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise UsageError(f"{self.file}: [{section}] {key} must be a number, is {value!r}")
+        return float(value)
+
+    def array(self, section: str, key: str, length: int | None = None) -> FloatArray:
+        value = self._value(section, key)
+        good = isinstance(value, list) and value and all(isinstance(v, int | float) and not isinstance(v, bool) for v in value)
+        if not good or (length is not None and len(value) != length):
+            wanted = "numbers" if length is None else f"{length} numbers"
+            raise UsageError(f"{self.file}: [{section}] {key} must be a list of {wanted}, is {value!r}")
+        return np.array(value, dtype=np.float64)

@@ -1,0 +1,203 @@
+"""The seams of mitl: Controller, Tracker and Clock, and the records that cross them. Read this first.
+
+A test case talks to these three and cannot know whether the rig is simulated or physical. Everything is SI (m, rad, s);
+poses are named X_AB (frame B in frame A): W world, B base, F flange, T tool centre point, O work object, M tracker body, L tracker base.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from enum import Enum
+from pathlib import Path
+from typing import Protocol, runtime_checkable
+
+from mitl.paths import FloatArray, PosePath
+
+
+class ExecutionState(Enum):
+    """Whether the controller executes RAPID."""
+
+    RUNNING = "running"
+    STOPPED = "stopped"
+
+
+@dataclass(frozen=True)
+class LoggedEvent:
+    """One entry of the controller's event log: time in s on the rig's clock, number as the controller gives it, text."""
+
+    time: float
+    number: int
+    level: str
+    text: str
+
+
+class Clock(Protocol):
+    """Time of the rig: virtual in simulation, monotonic at the physical rig."""
+
+    def now(self) -> float:
+        """Gives the time in s since the rig started."""
+        ...
+
+    def wait(self, seconds: float) -> None:
+        """Lets `seconds` of the rig's time pass."""
+        ...
+
+
+@runtime_checkable
+class Controller(Protocol):
+    """A robot controller that executes RAPID, as far as a real one can be asked over the network.
+
+    Commands that are refused raise RigError with the controller's own words.
+    """
+
+    def load(self, sources: Sequence[Path]) -> None:
+        """Replaces the program by the given module files; the program pointer is at main."""
+        ...
+
+    def start(self) -> None:
+        """Starts or resumes execution."""
+        ...
+
+    def stop(self) -> None:
+        """Stops execution along the path. Safe to call at any time, also twice."""
+        ...
+
+    def state(self) -> ExecutionState:
+        """Gives whether RAPID is executing."""
+        ...
+
+    def read(self, name: str) -> str:
+        """Gives a RAPID variable as a RAPID literal, e.g. `3`, `TRUE`, `[1,2,3]`."""
+        ...
+
+    def write(self, name: str, literal: str) -> None:
+        """Sets a RAPID variable from a RAPID literal."""
+        ...
+
+    def read_signal(self, name: str) -> float:
+        """Gives the value of an I/O signal."""
+        ...
+
+    def joints(self) -> FloatArray:
+        """Gives the axis positions (6,) in rad, as the controller reports them."""
+        ...
+
+    def flange(self) -> FloatArray:
+        """Gives X_BF, the flange in the base frame, as the controller reports it: (7,) x y z in m, qw qx qy qz."""
+        ...
+
+    def set_motors(self, on: bool) -> None:
+        """Switches the motors on or off."""
+        ...
+
+    def set_speed_ratio(self, per_cent: float) -> None:
+        """Sets the speed override, 1 to 100 per cent."""
+        ...
+
+    def event_log(self) -> list[LoggedEvent]:
+        """Gives the events logged since `load`, oldest first."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class AveragedPoint:
+    """A still point, averaged: position (3,) m and quaternion_wxyz (4,) of M in L, with its spread.
+
+    jitter: diameter of the point cloud in m. count: valid samples used. time: middle of the window, tracker clock, s.
+    """
+
+    time: float
+    position: FloatArray
+    quaternion_wxyz: FloatArray
+    jitter: float
+    count: int
+
+
+@runtime_checkable
+class Tracker(Protocol):
+    """Something that measures X_LM, the pose of a body M on the tool in its own base frame L, on its own clock.
+
+    Raises RigError where the tracker is lost or was not started.
+    """
+
+    def start(self) -> None:
+        """Starts recording a new path."""
+        ...
+
+    def stop(self) -> PosePath:
+        """Stops recording and gives the whole path."""
+        ...
+
+    def path(self) -> PosePath:
+        """Gives the path so far, while recording or after."""
+        ...
+
+    def latest(self) -> PosePath:
+        """Gives the most recent sample as a path of length one."""
+        ...
+
+    def average(self, seconds: float) -> AveragedPoint:
+        """Measures a still point for `seconds` of the rig's time from now on; recording may go on meanwhile."""
+        ...
+
+
+@dataclass(frozen=True)
+class ProgrammedMove:
+    """One executed motion instruction as programmed, in the active work object's frame (SI).
+
+    kind: "MoveAbsJ", "MoveJ", "MoveL" or "MoveC". start, via, end: (7,) x y z qw qx qy qz of the TCP in the work object; MoveC has a via.
+    tcp_speed m/s. zone: programmed TCP zone radius in m, 0 for fine. line: source line. begins, ends: time in s on the oracle's clock
+    at which the planned path passes from the former and to the next instruction.
+    """
+
+    kind: str
+    start: FloatArray
+    via: FloatArray | None
+    end: FloatArray
+    tcp_speed: float
+    zone: float
+    module: str
+    line: int
+    begins: float
+    ends: float
+
+
+@dataclass(frozen=True)
+class Oracle:
+    """What a nominal controller would do with a program: the path of the TCP in the work object, the moves, the outputs.
+
+    tcp: X_OT over time (tool view). tool: X_FT (7,). wobj: X_BO (7,). signals: name -> (times (K,), values (K,)) of changes.
+    """
+
+    tcp: PosePath
+    tool: FloatArray
+    wobj: FloatArray
+    moves: tuple[ProgrammedMove, ...]
+    signals: dict[str, tuple[FloatArray, FloatArray]] = field(default_factory=dict)
+
+
+class OracleSource(Protocol):
+    """Gives oracles of test programs; test cases get it from the rig and cannot tell how it computes them."""
+
+    def oracle(self, sources: Sequence[Path], variables: dict[str, str]) -> Oracle:
+        """Gives what the program does from its start until it waits for orders, with RAPID variables preset to literals."""
+        ...
+
+
+@dataclass(frozen=True)
+class Rig:
+    """What a test run is given: one controller, one tracker, one clock, and the source of oracles.
+
+    begin_case: called with the case's id before each case, so that a simulated rig reseeds itself: same seed, same case, same numbers.
+    """
+
+    name: str
+    robot: str
+    seed: int
+    controller: Controller
+    tracker: Tracker
+    clock: Clock
+    oracles: OracleSource
+    begin_case: Callable[[str], None]
+    versions: dict[str, str] = field(default_factory=dict)

@@ -1,0 +1,367 @@
+"""pytest plug-in: options, fixtures and hooks of mitl. docs/event_order.md gives the order of events.
+
+It is loaded in every pytest run of whoever has mitl installed: it imports nothing heavy before a test asks for it, and leaves other
+people's tests alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Iterator
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+if TYPE_CHECKING:
+    from mitl.engine.bench import Bench
+    from mitl.engine.calibration_session import SessionCalibration
+    from mitl.engine.case import CaseInfo
+    from mitl.engine.check import Check
+    from mitl.engine.recorder import CaseRecorder
+    from mitl.engine.run import RunKeeper
+    from mitl.protocols import Rig
+
+_MARK = "mitl_case"
+_RECORDER: pytest.StashKey[CaseRecorder] = pytest.StashKey()
+_KEEPER: pytest.StashKey[RunKeeper] = pytest.StashKey()
+_CURRENT: pytest.StashKey[CaseRecorder] = pytest.StashKey()
+_RIG: pytest.StashKey[Rig | Exception] = pytest.StashKey()
+_CALIBRATION_PROGRAM = Path(__file__).resolve().parent / "atc" / "calibration.mod"
+
+
+class HookSpecifications:
+    """The hook that this plug-in offers to a conftest.py."""
+
+    @pytest.hookspec(firstresult=True)
+    def pytest_mitl_load_rig(self, config: pytest.Config, name: str, seed: int, faults: tuple[str, ...]) -> Rig | None:
+        """Gives the rig called `name`, or None if it is not known here: for a rig of one's own that no rig.toml describes."""
+
+
+def pytest_addhooks(pluginmanager: pytest.PytestPluginManager) -> None:
+    """Offers the hook."""
+    pluginmanager.add_hookspecs(HookSpecifications)
+
+
+# --- options -----------------------------------------------------------------------------------------------------------------------
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Adds the options --mitl-..."""
+    group = parser.getgroup("mitl", "mitl: verify robot controllers")
+    group.addoption("--mitl-rig", default="sim", metavar="RIG", help="sim (default) or a rig.toml file")
+    group.addoption("--mitl-seed", default=1, type=int, metavar="N", help="seed of the simulated rig (default 1)")
+    group.addoption("--mitl-fault", action="append", default=[], metavar="NAME[=SIZE]", help="break the simulated controller on purpose")
+    group.addoption("--mitl-case", action="append", default=[], metavar="CASE", help="run only this case id, or those below it")
+    group.addoption(
+        "--mitl-calibration", default=str(_CALIBRATION_PROGRAM), metavar="FILE", help="RAPID program with the calibration poses"
+    )
+    group.addoption("--mitl-out", default=None, metavar="DIR", help="keep results.json, junit.xml, report.html and recordings here")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Registers the mark that @case sets, and the collecting of finished cases, which is not for pytest-xdist's workers."""
+    config.addinivalue_line("markers", f"{_MARK}(info): set by mitl.engine.case, which declares a test case")
+    if not _is_worker(config):
+        config.pluginmanager.register(_Collecting(config), "mitl-collecting")
+
+
+# --- collection --------------------------------------------------------------------------------------------------------------------
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Refuses ids that occur twice, and keeps what --mitl-case asks for."""
+    infos = {item: info for item in items if (info := _info(item)) is not None}
+    seen: dict[str, pytest.Item] = {}
+    for item, info in infos.items():
+        former = seen.setdefault(info.id, item)
+        if former is not item:
+            raise pytest.UsageError(f"case id {info.id!r} is used twice: by {former.nodeid} and by {item.nodeid}")
+    wanted: list[str] = config.getoption("mitl_case")
+    if wanted:
+        from mitl.engine.selection import select  # noqa: PLC0415 - only when asked for
+        from mitl.errors import UsageError  # noqa: PLC0415
+
+        try:
+            chosen = select([info.id for info in infos.values()], wanted)
+        except UsageError as error:
+            raise pytest.UsageError(str(error)) from error
+        left_out = [item for item in items if item not in infos or infos[item].id not in chosen]
+        items[:] = [item for item in items if item not in left_out]
+        config.hook.pytest_deselected(items=left_out)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtestloop(session: pytest.Session) -> None:
+    """Loads the rig and opens the run's folder before the first test, so that a wrong option is told before anything moves."""
+    config = session.config
+    planned = [info for item in session.items if (info := _info(item)) is not None]
+    shares_out = config.pluginmanager.hasplugin("dsession")
+    if config.option.collectonly or not (planned or (shares_out and config.getoption("mitl_out"))):
+        return
+    from mitl.errors import UsageError  # noqa: PLC0415 - not in other people's runs
+
+    keeper = _keeper(config)
+    keeper.planned.extend(planned)
+    try:
+        if not shares_out:
+            _load_rig(config)
+        keeper.open_folder()
+        if not _is_worker(config):
+            keeper.save()
+    except UsageError as error:
+        raise pytest.UsageError(str(error)) from error
+
+
+# --- fixtures ----------------------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="session")
+def mitl_rig(pytestconfig: pytest.Config) -> Iterator[Rig]:
+    """The rig of the whole run."""
+    loaded = _load_rig(pytestconfig)
+    if isinstance(loaded, Exception):
+        raise loaded
+    yield loaded
+    loaded.controller.stop()
+
+
+@pytest.fixture(scope="session")
+def mitl_calibration(mitl_rig: Rig, pytestconfig: pytest.Config) -> SessionCalibration:
+    """The calibration of this session; the first case that needs it drives the procedure."""
+    from mitl.engine.calibration_session import calibrate_rig  # noqa: PLC0415
+
+    found = calibrate_rig(mitl_rig, Path(pytestconfig.getoption("mitl_calibration")).resolve())
+    _keeper(pytestconfig).keep_calibration(found)
+    return found
+
+
+@pytest.fixture
+def rig(request: pytest.FixtureRequest, mitl_rig: Rig) -> Iterator[Rig]:
+    """The rig, seeded for this case; the robot is stopped afterwards."""
+    if {"bench", "mitl_calibration"} & set(request.fixturenames):
+        request.getfixturevalue("mitl_calibration")  # before begin_case, so that it does not disturb the case's numbers
+    recorder = _recorder(request.node)
+    mitl_rig.begin_case(recorder.info.id)
+    recorder.stop_robot = mitl_rig.controller.stop
+    recorder.start_clock(mitl_rig.clock.now)
+    yield mitl_rig
+    recorder.stop_clock()
+    mitl_rig.controller.stop()
+
+
+@pytest.fixture
+def bench(request: pytest.FixtureRequest, rig: Rig, mitl_calibration: SessionCalibration) -> Iterator[Bench]:
+    """What a case works with: runs its program, tracks it, brings it into the work object."""
+    from mitl.engine.bench import Bench  # noqa: PLC0415
+
+    session = mitl_calibration
+    made = Bench(rig, session.calibration, session.poses, _recorder(request.node), calibrated_at=session.measured_at)
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def check(request: pytest.FixtureRequest) -> Check:
+    """The way to a verdict, e.g. `check("line deviation", value=1.2, limit=5.0, uncertainty=0.4, unit="mm")`."""
+    from mitl.engine.check import Check  # noqa: PLC0415
+
+    return Check(_recorder(request.node))
+
+
+# --- one case ----------------------------------------------------------------------------------------------------------------------
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_setup(item: pytest.Item) -> Generator[None, Any, Any]:
+    """Begins a case; what goes wrong before it starts is its error too."""
+    __tracebackhide__ = True
+    if _info(item) is not None:
+        _recorder(item)
+    try:
+        return (yield)
+    except BaseException as error:
+        _note(item, error, "setup")
+        raise
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call(item: pytest.Item) -> Generator[None, Any, Any]:
+    """Turns the outcome of a case that ran to its end into pytest's terms."""
+    __tracebackhide__ = True
+    try:
+        result = yield
+    except BaseException as error:
+        _note(item, error, "call")
+        raise
+    recorder = item.stash.get(_RECORDER, None)
+    if recorder is not None:
+        _endings().tell_pytest(recorder)
+    return result
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_teardown(item: pytest.Item) -> Generator[None, Any, Any]:
+    """Writes the case's recording when everything has stopped."""
+    __tracebackhide__ = True
+    try:
+        return (yield)
+    except BaseException as error:
+        _note(item, error, "teardown")
+        raise
+    finally:
+        recorder = item.stash.get(_RECORDER, None)
+        if recorder is not None:
+            _keeper(item.config).keep_recording(recorder)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Attaches the finished record to the last report, so that it reaches the collecting process of pytest-xdist too."""
+    report = yield
+    recorder = item.stash.get(_RECORDER, None)
+    if recorder is None:
+        return report
+    if report.skipped and isinstance(report.longrepr, tuple):
+        path, line, _ = item.reportinfo()
+        report.longrepr = (str(path), (line or 0) + 1, report.longrepr[2])
+    if call.when != "teardown":
+        return report
+    from mitl.engine.results import case_to_json  # noqa: PLC0415
+
+    keeper = _keeper(item.config)
+    captured = "".join(f"--- {title} ---\n{text}\n" for title, text in report.sections)
+    finished = {"case": case_to_json(keeper.finish(recorder, captured)), "rig": keeper.rig_as_json()}
+    vars(report)["mitl"] = finished  # pytest-xdist carries every attribute of a report
+    if recorder.fatal:
+        item.session.shouldfail = f"fatal in {recorder.info.id}: no other case is run"
+    del item.stash[_RECORDER]
+    del item.config.stash[_CURRENT]
+    return report
+
+
+# --- the run -----------------------------------------------------------------------------------------------------------------------
+
+
+class _Collecting:
+    """Takes the finished cases of this process and of pytest-xdist's workers into the run's folder."""
+
+    def __init__(self, config: pytest.Config) -> None:
+        self._config = config
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        """Keeps a finished case at once."""
+        finished = getattr(report, "mitl", None)
+        if finished is not None:
+            keeper = _keeper(self._config)
+            keeper.open_folder()  # not yet open where no case was declared
+            keeper.take(finished)
+            keeper.save()
+
+    @pytest.hookimpl(trylast=True)
+    def pytest_sessionfinish(self) -> None:
+        """Completes the folder, after pytest has torn down what an interrupt left standing."""
+        keeper = self._config.stash.get(_KEEPER, None)
+        if keeper is None:
+            return
+        broken_off = self._config.stash.get(_CURRENT, None)
+        if broken_off is not None:
+            keeper.keep_recording(broken_off)
+            keeper.add(keeper.finish(broken_off, ""))
+        run = keeper.save()
+        if keeper.folder is not None and keeper.opened and run.cases:
+            from mitl.report import write_report  # noqa: PLC0415 - loads matplotlib
+
+            try:
+                write_report(keeper.folder)
+            except Exception as error:  # noqa: BLE001 - a report that cannot be drawn must not cost the run
+                keeper.problem = f"the report could not be made: {error!r}; the run is kept, try: mitl report {keeper.folder}"
+
+    def pytest_terminal_summary(self, terminalreporter: Any) -> None:  # noqa: ANN401 - pytest does not export its type
+        """Says where the run is kept."""
+        keeper = self._config.stash.get(_KEEPER, None)
+        if keeper is not None and keeper.folder is not None and keeper.cases:
+            terminalreporter.write_sep("-", "mitl")
+            terminalreporter.write_line(keeper.problem or f"{keeper.record().outcome.value}: {keeper.folder / 'report.html'}")
+
+
+# --- what the hooks share ----------------------------------------------------------------------------------------------------------
+
+
+def _info(item: pytest.Item) -> CaseInfo | None:
+    """Gives a case's metadata; costs other people's tests a look at their marks."""
+    if item.get_closest_marker(_MARK) is None:
+        return None
+    from mitl.engine.case import case_of  # noqa: PLC0415 - a mark of ours is there, so this is loaded already
+
+    return case_of(item)
+
+
+def _recorder(item: pytest.Item) -> CaseRecorder:
+    """Gives the item's recorder; the first to ask begins the case, also for a test that was not declared with @case."""
+    if _RECORDER not in item.stash:
+        from mitl.engine.case import undeclared  # noqa: PLC0415
+        from mitl.engine.recorder import CaseRecorder  # noqa: PLC0415
+
+        made = CaseRecorder(_info(item) or undeclared(item))
+        item.stash[_RECORDER] = made
+        item.config.stash[_CURRENT] = made
+    return item.stash[_RECORDER]
+
+
+def _keeper(config: pytest.Config) -> RunKeeper:
+    if _KEEPER not in config.stash:
+        from mitl.engine.run import RunKeeper  # noqa: PLC0415
+
+        out = config.getoption("mitl_out")
+        folder = Path(out).resolve() if out else None
+        seed, faults = config.getoption("mitl_seed"), tuple(config.getoption("mitl_fault"))
+        config.stash[_KEEPER] = RunKeeper(seed, faults, folder, rig_name=str(config.getoption("mitl_rig")), opened=_is_worker(config))
+    return config.stash[_KEEPER]
+
+
+def _load_rig(config: pytest.Config) -> Rig | Exception:
+    """Gives the rig, or why there is none, which every case that needs it will say. Raises UsageError for wrong options."""
+    if _RIG not in config.stash:
+        config.stash[_RIG] = _loaded_rig(config)
+    return config.stash[_RIG]
+
+
+def _loaded_rig(config: pytest.Config) -> Rig | Exception:
+    from mitl.errors import UsageError  # noqa: PLC0415
+
+    name, seed, faults = config.getoption("mitl_rig"), config.getoption("mitl_seed"), tuple(config.getoption("mitl_fault"))
+    try:
+        loaded: Rig = config.hook.pytest_mitl_load_rig(config=config, name=name, seed=seed, faults=faults)
+    except UsageError:
+        raise
+    except Exception as error:  # noqa: BLE001 - kept, and raised by the fixture in every case
+        return error
+    _keeper(config).describe(loaded)
+    return loaded
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_mitl_load_rig(name: str, seed: int, faults: tuple[str, ...]) -> Rig:
+    """Gives one of mitl's own rigs."""
+    from mitl.rig import load_rig  # noqa: PLC0415 - loads the simulator
+
+    return load_rig(name, seed, faults)
+
+
+def _is_worker(config: pytest.Config) -> bool:
+    return hasattr(config, "workerinput")
+
+
+def _note(item: pytest.Item, error: BaseException, phase: str) -> None:
+    """Records in the case what ended a phase of it; other people's tests have no recorder."""
+    recorder = item.stash.get(_RECORDER, None)
+    if recorder is not None:
+        _endings().note(recorder, item.path, error, phase)
+
+
+def _endings() -> ModuleType:
+    from mitl.engine import endings  # noqa: PLC0415 - loaded already, because there is a recorder
+
+    return endings

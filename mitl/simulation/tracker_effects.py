@@ -1,0 +1,203 @@
+"""What happens to a tracker at instants: creep and glitches after stops, losses, jumps of the frame.
+
+Invariant: as in noise.py, one call with N samples and N calls with one give the same numbers; every effect owns its generators,
+draws a fixed number of variates an event, in the order of the events, and carries its state from call to call.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from mitl.paths import BoolArray, FloatArray
+from mitl.simulation.noise import lengths, low_pass, times_matrix
+from mitl.simulation.quaternions import product
+from mitl.simulation.tracker_parameters import CreepAfterStop, FrameJump, Glitch, Loss
+
+_TOGETHER = 8
+
+
+class Creep:
+    """The body creeps in its mount: to a new random offset after each stop, about zero while it moves.
+
+    ASSUMPTION A-50: the facts give the rate after a stop, and a speed noise at 5 mm/s that the noise of a still point cannot explain; one
+    first-order lag, driven by noise in motion and by a random target at rest, gives both.
+    """
+
+    def __init__(
+        self,
+        wander: np.random.Generator,
+        targets: np.random.Generator,
+        habits: np.random.Generator,
+        creep: CreepAfterStop,
+        period: float,
+    ) -> None:
+        self._wander = wander
+        self._targets = targets
+        self._habit = Habit(habits)
+        self._share = creep.repeatable_share
+        self._decay = math.exp(-period / creep.tau_s)
+        self._moving_sd = creep.moving_sd_m
+        # What moves after a stop is the difference of target and offset at the stop: its sd is rate * tau.
+        self._target_sd = math.sqrt(max((creep.rate_m_s * creep.tau_s) ** 2 - creep.moving_sd_m**2, 0.0))
+        self._silent = self._moving_sd == 0.0 and self._target_sd == 0.0
+        self._target: FloatArray = targets.standard_normal(3) * self._moving_sd
+        self._state: FloatArray = (self._target * self._decay)[np.newaxis, :]
+        self._ready: FloatArray = np.empty((0, 3))
+
+    def sample(self, position: FloatArray, moving: BoolArray, stops: BoolArray) -> FloatArray:
+        """Gives the next offsets (N, 3) in m for a body at position (N, 3); moving (N,): it moves; stops (N,): first sample at rest."""
+        count = len(moving)
+        if self._silent:
+            return np.zeros((count, 3))
+        drive = self._wandering(count)
+        if not np.all(moving):
+            drawn = self._targets.standard_normal((np.count_nonzero(stops), 3))
+            if self._share > 0.0 and len(drawn):
+                drawn = math.sqrt(1.0 - self._share) * drawn + math.sqrt(self._share) * self._habit.at(position[stops])
+            drawn *= self._target_sd
+            targets = np.concatenate([self._target[np.newaxis, :], drawn])
+            pull = (1.0 - self._decay) * targets
+            still = ~moving
+            drive[still] = pull[np.cumsum(stops)[still]] if len(drawn) else pull[0]
+            self._target = targets[-1]
+        offsets, self._state = low_pass(drive, self._decay, self._state)
+        return offsets
+
+    def skip(self, count: int) -> None:
+        """Lets `count` samples pass at rest."""
+        offset = self._state[0] / self._decay
+        self._state = ((self._target + (offset - self._target) * self._decay**count) * self._decay)[np.newaxis, :]
+
+    def _wandering(self, count: int) -> FloatArray:
+        """Gives what drives the lag in motion (count, 3): drawn for eight samples at once, which a lag of .7 s does not notice."""
+        lacking = -(-(count - len(self._ready)) // _TOGETHER)
+        if lacking > 0:
+            drawn = self._wander.standard_normal((lacking, 3)) * (self._moving_sd * math.sqrt((1.0 - self._decay**2) / _TOGETHER))
+            self._ready = np.concatenate([self._ready, np.repeat(drawn, _TOGETHER, axis=0)])
+        drive, self._ready = self._ready[:count], self._ready[count:]
+        return drive.copy()
+
+
+class Habit:
+    """A smooth random function of where the body stops and of the way from its last stop: three normal numbers with variance 1.
+
+    Sum of plane waves over the six coordinates. ASSUMPTION A-78: it changes over 10 cm of place and of way.
+    """
+
+    _WAVES, _LENGTH = 16, 0.1
+
+    def __init__(self, generator: np.random.Generator) -> None:
+        self._wave_vectors = generator.standard_normal((self._WAVES, 3, 6)) / self._LENGTH
+        self._phases = generator.uniform(0.0, 2.0 * math.pi, (self._WAVES, 3))
+        self._last: FloatArray = np.zeros(3)
+
+    def at(self, stops: FloatArray) -> FloatArray:
+        """Gives the numbers (K, 3) for the next stops (K, 3) in m."""
+        found = np.empty_like(stops)
+        for row, stop in enumerate(stops):
+            place_and_way = np.concatenate([stop, stop - self._last])
+            found[row] = np.cos((self._wave_vectors * place_and_way).sum(axis=2) + self._phases).sum(axis=0)
+            self._last = stop
+        return found * math.sqrt(2.0 / self._WAVES)
+
+
+class Glitches:
+    """A short wrong position at a random moment after some stops."""
+
+    def __init__(self, moments: np.random.Generator, directions: np.random.Generator, glitch: Glitch, period: float) -> None:
+        self._moments = moments
+        self._directions = directions
+        self._glitch = glitch
+        self._period = period
+        self._now = 0
+        self._pulses: list[tuple[int, int, FloatArray]] = []
+
+    def skip(self, count: int) -> None:
+        """Lets `count` samples pass at rest."""
+        self._now += count
+
+    def add(self, errors: FloatArray, stops: BoolArray) -> None:
+        """Adds the next position errors in m to `errors` (N, 3), which it changes; stops (N,) as for Creep."""
+        if self._glitch.probability_per_stop == 0.0:
+            return
+        for stop in np.flatnonzero(stops):
+            chance, moment = self._moments.random(2)
+            direction = self._directions.standard_normal((1, 3))
+            if chance < self._glitch.probability_per_stop:
+                first = self._now + int(stop) + round(moment * self._glitch.within_s / self._period)
+                after = first + max(1, round(self._glitch.duration_s / self._period))
+                self._pulses.append((first, after, (direction / lengths(direction) * self._glitch.size_m)[0]))
+        for first, after, error in self._pulses:
+            errors[max(0, first - self._now) : max(0, after - self._now)] += error
+        self._now += len(stops)
+        self._pulses = [pulse for pulse in self._pulses if pulse[1] > self._now]
+
+
+class Losses:
+    """Tracking is lost at random instants for a fixed time."""
+
+    def __init__(self, generator: np.random.Generator, loss: Loss, period: float) -> None:
+        self._generator = generator
+        self._probability = loss.rate_per_s * period
+        self._length = max(1, round(loss.duration_s / period))
+        self._remaining = 0
+        self._was_lost = False
+
+    def sample(self, count: int) -> tuple[BoolArray, BoolArray]:
+        """Gives lost (count,) and found (count,): true at the first sample after a loss."""
+        lost = np.zeros(count, dtype=np.bool_)
+        if self._probability == 0.0:
+            return lost, lost.copy()
+        lost_until = self._remaining
+        lost[:lost_until] = True
+        for begin in np.flatnonzero(self._generator.random(count) < self._probability):
+            if begin >= lost_until:
+                lost_until = int(begin) + self._length
+                lost[begin:lost_until] = True
+        self._remaining = max(0, lost_until - count)
+        before = np.concatenate([[self._was_lost], lost[:-1]])
+        self._was_lost = bool(lost[-1]) if count else self._was_lost
+        return lost, before & ~lost
+
+
+class FrameJumps:
+    """The tracker's frame may move when tracking is found again, and stays moved: X_L'M = X_L'L X_LM, with L' the new frame."""
+
+    def __init__(self, chances: np.random.Generator, jumps: np.random.Generator, frame_jump: FrameJump) -> None:
+        self._chances = chances
+        self._jumps = jumps
+        self._parameters = frame_jump
+        self._jumped = False
+        self._rotation = Rotation.identity()
+        self._translation: FloatArray = np.zeros(3)
+
+    def apply(self, position: FloatArray, quaternion_wxyz: FloatArray, found: BoolArray) -> tuple[FloatArray, FloatArray]:
+        """Gives position (N, 3) and quaternion (N, 4) in the frame as it is at each sample; found (N,): tracking comes back here."""
+        begins = [0]
+        for index in np.flatnonzero(found):
+            if self._chances.random() < self._parameters.probability_per_reacquisition:
+                begins.append(int(index))
+        if len(begins) == 1 and not self._jumped:
+            return position, quaternion_wxyz
+        ends = [*begins[1:], len(position)]
+        positions, quaternions = [], []
+        for part, (begin, end) in enumerate(zip(begins, ends, strict=True)):
+            if part > 0:
+                self._jump(position[begin])
+            positions.append(times_matrix(self._rotation.as_matrix(), position[begin:end]) + self._translation)
+            quaternions.append(product(self._rotation.as_quat(scalar_first=True)[np.newaxis], quaternion_wxyz[begin:end]))
+        return np.concatenate(positions), np.concatenate(quaternions)
+
+    def _jump(self, position: FloatArray) -> None:
+        """Moves the frame so that it turns about the body at `position` (3,): what is seen jumps by the translation drawn."""
+        drawn = self._jumps.standard_normal(6)
+        angle = math.radians(self._jumps.uniform(self._parameters.rotation_min_deg, self._parameters.rotation_max_deg))
+        turn = Rotation.from_rotvec(drawn[3:] / lengths(drawn[np.newaxis, 3:]) * angle)
+        shown = self._rotation.apply(position) + self._translation
+        shift = drawn[:3] * np.asarray(self._parameters.translation_sd_m)
+        self._rotation = turn * self._rotation
+        self._translation = shown + shift - self._rotation.apply(position)
+        self._jumped = True

@@ -1,0 +1,1 @@
+"""Trackers: one implementation of the protocol a file."""

@@ -1,0 +1,93 @@
+"""`mitl record` and `mitl calibrate` from the outside, on the simulated rig and on recordings."""
+
+import json
+
+import numpy as np
+import pytest
+
+from mitl.calibration import load_calibration
+from mitl.cli import run
+from mitl.paths import PosePath
+from mitl.recording import PoseTrack, Recording, read_recording, write_recording
+from mitl.trackers.recorder import FLANGE, STATE
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    file = tmp_path_factory.mktemp("record") / "calibration.mcap"
+    assert run(["record", "--rig", "sim", "--calibration", "--output", str(file)]) == 0
+    return file
+
+
+def test_a_recording_has_tracker_and_robot(recorded):
+    found = read_recording(recorded)
+    assert found.damage == ""
+    tracker, flange = found.paths["/tracker/pose"].path, found.paths[FLANGE].path
+    assert len(tracker) == pytest.approx(250 * (flange.time[-1] - flange.time[0]), rel=0.01)
+    assert found.series["/robot/joints"].values.shape == (len(flange), 6)
+    assert found.series[STATE].columns == ("result", "buttons", "vx", "vy", "vz")
+    assert set(found.series[STATE].column("result")) == {200.0}
+    assert found.metadata["rig"] == "sim"
+
+
+def test_calibrate_prints_what_the_contract_says_and_keeps_the_calibration(recorded, tmp_path, capsys):
+    output = tmp_path / "calibration.toml"
+    assert run(["calibrate", str(recorded), "--output", str(output), "--format", "json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["used"] >= 20
+    assert told["held_out"]["position_rms_m"] < 2e-3
+    assert told["scale"] == pytest.approx([1.0063, 1.0055, 1.0047], abs=4e-3)
+    assert np.array(told["covariance"]).shape[0] >= 12
+    assert told["time_offset_sd_s"] < 1e-3
+    assert -900 < told["time_offset_s"] < -100
+    assert load_calibration(output).pose_count == told["used"]
+    assert run(["calibrate", str(recorded)]) == 0
+    text = capsys.readouterr().out
+    for word in ("residuals", "held out", "registration", "time offset", "rejected", "sd"):
+        assert word in text
+
+
+def poses(tmp_path, name, count, turn):
+    random = np.random.default_rng(1)
+    quaternion = np.tile([1.0, 0, 0, 0], (count, 1)) if not turn else random.normal(size=(count, 4))
+    quaternion /= np.linalg.norm(quaternion, axis=1)[:, None]
+    path = PosePath(np.arange(count, dtype=float), random.uniform(-0.5, 0.5, (count, 3)), quaternion, np.ones(count, dtype=bool))
+    tracks = {"/calibration/flange": PoseTrack(path, "base", "flange"), "/calibration/tracker": PoseTrack(path, "tracker", "body")}
+    write_recording(tmp_path / name, Recording(tracks))
+    return str(tmp_path / name)
+
+
+def test_recordings_of_poses_are_taken_together_and_a_degenerate_set_is_refused(tmp_path, capsys):
+    good = poses(tmp_path, "good.mcap", 12, turn=True)
+    assert run(["calibrate", good, good, "--model", "scale", "--format", "json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["poses"] == 24
+    assert told["time_offset_s"] is None
+    assert run(["calibrate", poses(tmp_path, "flat.mcap", 12, turn=False)]) == 4
+    assert "must turn by at least 60 deg about two axes" in capsys.readouterr().err
+    assert run(["calibrate", poses(tmp_path, "few.mcap", 3, turn=True)]) == 4
+    assert "needs at least" in capsys.readouterr().err
+
+
+def test_wrong_usage_is_told(tmp_path, capsys, recorded):
+    assert run(["calibrate"]) == 2
+    assert "expected recordings, or --rig" in capsys.readouterr().err
+    assert run(["record", "--output", str(tmp_path / "x.mcap"), "--columns", "vicon"]) == 2
+    assert "--columns needs --from" in capsys.readouterr().err
+    other = tmp_path / "other.mcap"
+    track = read_recording(recorded).paths["/tracker/pose"]
+    write_recording(other, Recording({"/tracker/pose": track}))
+    assert run(["calibrate", str(other)]) == 2
+    assert "expected the topics /calibration/flange" in capsys.readouterr().err
+
+
+def test_a_still_rig_and_a_table_of_another_tracker_are_recorded_too(tmp_path, capsys):
+    output = tmp_path / "still.mcap"
+    assert run(["record", "--seconds", "1", "--output", str(output)]) == 0
+    assert len(read_recording(output).paths["/tracker/pose"].path) == pytest.approx(250, abs=2)
+    table = tmp_path / "laser.csv"
+    table.write_text("time_s,x_mm,y_mm,z_mm\n-0.5,1,2,3\n0.5,1000,2,3\n")
+    assert run(["record", "--from", str(table), "--columns", "laser", "--output", str(output)]) == 0
+    path = read_recording(output).paths["/tracker/pose"].path
+    assert path.time == pytest.approx([0.0, 1.0])
+    assert path.position[1] == pytest.approx([1.0, 0.002, 0.003])
