@@ -10,7 +10,7 @@ import numpy as np
 
 from mitl.calibration.pose_set import CalibrationPoses
 from mitl.calibration.result import Calibration
-from mitl.engine.case_recording import RecordedRun
+from mitl.engine.case_recording import RecordedRun, moves_of, signals_of
 from mitl.engine.recorder import CaseRecorder
 from mitl.errors import RigError
 from mitl.metrics.glitch import without_glitches
@@ -137,7 +137,9 @@ class Bench:
         raw = self.tracker.stop()
         tool = self.in_work_object(raw, oracle) if raw.valid.any() else None
         shift = float(raw.time[0]) + STILL if len(raw) else 0.0
-        self._recorder.runs.append(RecordedRun(label, raw, tool, oracle.tcp, shift))
+        since = began - (self._recorder.began or 0.0)
+        expected = (moves_of(oracle), signals_of(oracle))
+        self._recorder.runs.append(RecordedRun(label, raw, tool, oracle.tcp, shift, *expected, since, oracle.tool, oracle.wobj))
         if tool is None or not len(tool):
             raise RigError(f"the tracker gave no valid pose during {label} ({len(raw)} samples): is it in view and awake?")
         return TrackedRun(option, sub_option, chosen, raw, tool, oracle, began, ended)
@@ -197,7 +199,11 @@ class Bench:
         self._recorder.add_path(name, PoseTrack(path, frame, body))
 
     def close(self) -> None:
-        """Keeps the still points, and what the tracker saw of a run that was broken off."""
+        """Keeps the still points, what the tracker saw of a run that was broken off, and the controller's event log."""
+        try:
+            self._recorder.keep_events(self.controller.event_log())
+        except RigError as error:
+            self._recorder.say("warning", f"the controller's event log could not be read: {error}")
         if self._still:
             raw = np.array([np.concatenate([point.position, point.quaternion_wxyz]) for point, _ in self._still])
             time = np.array([point.time for point, _ in self._still])

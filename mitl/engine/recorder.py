@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import re
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from mitl.engine.case import CaseInfo
@@ -13,6 +13,7 @@ from mitl.engine.case_recording import RecordedRun, fresh, recording_of, slug
 from mitl.engine.record import CaseRecord, CheckRecord, Message
 from mitl.errors import MitlError
 from mitl.outcome import Outcome, worst
+from mitl.protocols import LoggedEvent
 from mitl.recording.records import LogMessage, PoseTrack, Recording, Series
 
 
@@ -44,6 +45,13 @@ class CaseRecorder:
         """Records a message."""
         self.messages.append(Message(level, text))
         self.events.append(LogMessage(max(0.0, self.now() - (self.began or 0.0)), level, text, self.info.id))
+
+    def keep_events(self, events: Sequence[LoggedEvent]) -> None:
+        """Keeps the controller's own log entries beside the case's messages."""
+        began = self.began or 0.0
+        self.events += [
+            LogMessage(max(0.0, event.time - began), event.level, f"{event.number} {event.text}", "controller") for event in events
+        ]
 
     def error(self, text: str) -> None:
         """Records that the case could not be judged, and why."""
