@@ -16,13 +16,14 @@ from scipy.spatial.transform import RigidTransform
 from mitl.errors import MitlError, MotionError
 from mitl.motion import bridge
 from mitl.motion.cells import Cells
+from mitl.motion.dynamics import AS_FAST_AS_IT_CAN, Dynamics
 from mitl.motion.kinematics import STRAIGHT_THROUGH, Arm
 from mitl.motion.legs import Arc, CartesianLeg, GeometryError, JointLeg, Leg, Line, OrientationLaw, arc_through, evenly, line_through
 from mitl.motion.limits import Grid, LegSpeed, cells_of, cut
 from mitl.motion.pace import Pace
 from mitl.motion.path import Corner, IndexArray, Path
 from mitl.motion.robot_model import RobotModel
-from mitl.motion.timing import Timing, standing
+from mitl.motion.timing import Timing, braked, standing
 from mitl.paths import BoolArray, FloatArray
 from rapid_interp import data, effects
 
@@ -68,13 +69,14 @@ class Configuring:
 
 @dataclass(frozen=True, eq=False)
 class PlannedMove:
-    """One motion effect with its leg, its programmed speed and its zone radii in m; fine has none."""
+    """One motion effect with its leg, its programmed speed and its zone radii in m; fine has none. dynamics: how hard it may accelerate."""
 
     effect: effects.Motion
     leg: Leg
     speed: LegSpeed
     zone: Corner
     X_BO: RigidTransform
+    dynamics: Dynamics = AS_FAST_AS_IT_CAN
 
     @property
     def fine(self) -> bool:
@@ -93,6 +95,30 @@ class Chain:
     def passing_times(self) -> FloatArray:
         """Gives times (moves + 1,) in s at which the programmed points are passed: start, middles of the corners, end."""
         return self.timing.times_at(self.path.leg_ends())
+
+    def time_near(self, point: int, distance: float) -> float:
+        """Gives the time in s at which the TCP is `distance` m along the path from a programmed point, before it if negative.
+
+        Points count from 0, the chain's start; the middle of a corner stands for its point. Times beyond the chain are those of its ends.
+        """
+        leg = self.moves[point - 1 if distance < 0 else point].leg if 0 < point < len(self.moves) else self.moves[max(point - 1, 0)].leg
+        stretch = leg.length / leg.travel if leg.travel > 0 else 0.0
+        position = np.clip(self.path.leg_ends()[point] + distance * stretch, 0.0, self.path.length)
+        return float(self.timing.times_at(np.array([position]))[0])
+
+    def stopped(self, time: float, deceleration: float, window: float) -> Chain:
+        """Gives the chain that follows this one until `time` s and then brakes along its path at m/s^2, smoothed over `window` s."""
+        return replace(self, timing=braked(self.timing, time, deceleration, window))
+
+    def start_at(self, time: float) -> tuple[int, Start]:
+        """Gives how to go on from `time` s: the number of the first move to plan again, and the `start` to plan it with.
+
+        The move before the one under way is planned again too where there is one: their corner has to stay as it is.
+        """
+        ends = self.path.leg_ends()
+        position, speed = (float(value[0]) for value in self.timing.at(np.array([time]))[:2])
+        leg = int(np.clip(np.searchsorted(ends, position, side="right") - 1, 0, len(self.moves) - 1))
+        return max(leg - 1, 0), Start(position - float(ends[leg]), speed, leg=min(leg, 1))
 
 
 @dataclass(frozen=True)

@@ -235,3 +235,29 @@ def test_what_cannot_be_moved_is_refused_at_its_line(rapid, moved, reason):
     assert refused.value.file == "test.mod"
     assert "Move" in program.splitlines()[refused.value.line - 1]
     assert refused.value.line == len(program.splitlines()) - 2, "the last instruction"
+
+
+def test_a_chain_knows_when_its_tool_is_so_far_from_a_programmed_point(rapid, moved):
+    chain = moved(start(rapid), rapid.line(450, 200, 400, "z20"), rapid.line(250, 200, 400)).record.chains[-1].chain
+    for point, distance in ((1, -0.05), (1, 0.01), (2, -0.05), (0, 0.05)):
+        here, there = chain.path.leg_ends()[point], float(chain.timing.at(np.array([chain.time_near(point, distance)]))[0][0])
+        between = chain.path.positions(np.linspace(*sorted([here, there]), 2001))[0]
+        assert np.linalg.norm(np.diff(between, axis=0), axis=1).sum() == pytest.approx(abs(distance), rel=1e-4)
+        assert np.sign(there - here) == np.sign(distance)
+    assert chain.time_near(0, -0.1) == 0
+    assert chain.time_near(2, 0.1) == pytest.approx(chain.timing.duration)
+
+
+def test_a_chain_stopped_on_its_way_goes_on_where_it_stands_to_the_same_end(rapid, moved):
+    motion = moved(start(rapid), rapid.line(450, 200, 400, "z50"), rapid.line(250, 200, 400, "z50"), rapid.line(250, 0, 400))
+    chain, planner = motion.record.chains[-1].chain, motion.run.planner
+    for share in (0.1, 0.34, 0.5, 0.9):
+        stopped = chain.stopped(share * chain.timing.duration, 5.0, 0.02)
+        first, begin = stopped.start_at(stopped.timing.duration)
+        assert begin.speed == pytest.approx(0, abs=1e-9)
+        rest = planner.plan_chain(chain.moves[first:], start=begin)
+        there, here = (part.path.positions(part.timing.at(np.array([when]))[0])[0][0] for part, when in ((rest, 0), (stopped, np.inf)))
+        assert there == pytest.approx(here, abs=EXACT)
+        end = rest.path.positions(np.array([rest.path.length]))[0][0]
+        assert end == pytest.approx([0.25, 0, 0.4], abs=EXACT)
+        assert rest.timing.duration > 0
