@@ -52,13 +52,12 @@ class Arm:
 
     def flange(self, q: FloatArray) -> RigidTransform:
         """Gives X_BF for joints (6,) or (N, 6)."""
-        if q.ndim == 1:
-            return self._robot.forward(tuple(q))
-        return self._robot.batch_forward(q)
+        between = self.model.between_links(q)
+        return self._robot.forward(tuple(between)) if q.ndim == 1 else self._robot.batch_forward(between)
 
     def joints(self, X_BF: RigidTransform, near: FloatArray) -> FloatArray:
         """Gives joints (N, 6) that follow N poses without a jump, beginning near `near` (6,); rows are NaN where out of reach."""
-        raw: FloatArray = np.asarray(self._robot.batch_inverse(X_BF, tuple(near)))
+        raw: FloatArray = self.model.from_links(np.asarray(self._robot.batch_inverse(X_BF, tuple(self.model.between_links(near)))))
         chained = np.vstack([near, raw])
         steps = np.diff(chained, axis=0)
         turns = np.round(np.nan_to_num(steps) / _TURN)
@@ -67,13 +66,13 @@ class Arm:
 
     def solutions(self, X_BF: RigidTransform) -> FloatArray:
         """Gives up to eight joint vectors (K, 6) for one pose, each axis within +-pi; K = 0 if out of reach."""
-        found = np.array(self._robot.inverse(X_BF), dtype=np.float64).reshape(-1, 6)
+        found = self.model.from_links(np.array(self._robot.inverse(X_BF), dtype=np.float64).reshape(-1, 6))
         return (found + np.pi) % _TURN - np.pi
 
     def solution_index(self, q: FloatArray) -> int:
         """Gives cfx 0..7 of joints (6,): wrist behind axis 1 (4), wrist behind the lower arm (2), axis 5 negative (1)."""
-        opw = self.model.opw
-        lean, forearm = q[1], q[1] + q[2]
+        opw, (_, lean, bend, *_) = self.model.opw, self.model.between_links(q)
+        forearm = lean + bend
         wrist_x = opw.c3 * np.cos(forearm) - opw.a2 * np.sin(forearm)
         wrist_z = -opw.c3 * np.sin(forearm) - opw.a2 * np.cos(forearm)
         behind_axis_1 = opw.a1 + opw.c2 * np.sin(lean) + wrist_x < 0

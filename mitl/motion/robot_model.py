@@ -38,7 +38,9 @@ class OpwParameters:
 class RobotModel:
     """Geometry, limits and dynamics of one arm.
 
-    lower, upper (6,) rad; speed (6,) rad/s; acceleration (6,) rad/s^2. tcp_acceleration m/s^2 along the path, smoothed over
+    lower, upper (6,) rad; speed (6,) rad/s; acceleration (6,) rad/s^2. parallel_rod: axis 3 is the forearm's angle to the horizontal,
+    which a rod keeps as axis 2 turns, not its angle to the upper arm. ASSUMPTION A-152.
+    tcp_acceleration m/s^2 along the path, smoothed over
     acceleration_window s; corner_acceleration m/s^2 across the path; vmax m/s. arm_windows: widths in s of the two moving averages
     between plan and tool; controller_windows (6,) s: the same between plan and what the controller reports. start_latency s from a
     command to the start of the plan. fine_pause (K,) s at peak leg speeds fine_pause_speed (K,) m/s.
@@ -52,6 +54,7 @@ class RobotModel:
     upper: FloatArray
     speed: FloatArray
     acceleration: FloatArray
+    parallel_rod: bool
     tcp_acceleration: float
     acceleration_window: float
     corner_acceleration: float
@@ -66,6 +69,14 @@ class RobotModel:
     def urdf(self) -> Path:
         """Gives the robot's URDF file."""
         return self.folder / "robot.urdf"
+
+    def between_links(self, q: FloatArray) -> FloatArray:
+        """Gives the angles (..., 6) in rad between the links, which the URDF and closed forms speak of, for RAPID's joints (..., 6)."""
+        return _sheared(q, -1.0) if self.parallel_rod else q
+
+    def from_links(self, q: FloatArray) -> FloatArray:
+        """Gives RAPID's joints (..., 6) in rad for angles (..., 6) between the links."""
+        return _sheared(q, 1.0) if self.parallel_rod else q
 
     def pause_after(self, peak_speed: float) -> float:
         """Gives the standstill in s that the plan has at a fine point after a leg with this peak speed in m/s."""
@@ -104,6 +115,7 @@ def load_robot_model(name: str) -> RobotModel:
         upper=np.radians(reader.array("joints", "upper_deg", _JOINTS)),
         speed=np.radians(reader.array("joints", "speed_deg_s", _JOINTS)),
         acceleration=np.radians(reader.array("joints", "acceleration_deg_s2", _JOINTS)),
+        parallel_rod=reader.flag("joints", "parallel_rod"),
         tcp_acceleration=reader.number("tcp", "acceleration_m_s2"),
         acceleration_window=reader.number("tcp", "acceleration_window_s"),
         corner_acceleration=reader.number("tcp", "corner_acceleration_m_s2"),
@@ -114,6 +126,12 @@ def load_robot_model(name: str) -> RobotModel:
         fine_pause_speed=reader.array("executed", "fine_pause_speed_m_s"),
         fine_pause=reader.array("executed", "fine_pause_s"),
     )
+
+
+def _sheared(q: FloatArray, sign: float) -> FloatArray:
+    turned = np.array(q, dtype=np.float64)
+    turned[..., 2] += sign * turned[..., 1]
+    return turned
 
 
 @dataclass(frozen=True)
@@ -133,6 +151,13 @@ class _Reader:
         value = self._value(section, key)
         if not isinstance(value, str):
             raise UsageError(f"{self.file}: [{section}] {key} must be a string, is {value!r}")
+        return value
+
+    def flag(self, section: str, key: str) -> bool:
+        """Gives a truth value, false where the key is missing."""
+        value = self.table.get(section, {}).get(key, False)
+        if not isinstance(value, bool):
+            raise UsageError(f"{self.file}: [{section}] {key} must be true or false, is {value!r}")
         return value
 
     def number(self, section: str, key: str) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import platform
 import zlib
 from collections.abc import Sequence
+from dataclasses import dataclass
 from importlib.metadata import version
 
 import numpy as np
@@ -15,13 +16,14 @@ from mitl.controllers.faults import parse_fault
 from mitl.controllers.simulated import SimulatedController
 from mitl.engine.calibration_session import CASE_ID as CALIBRATION
 from mitl.motion.oracles import PlannedOracles
-from mitl.motion.robot_model import load_robot_model
+from mitl.motion.robot_model import RobotModel, load_robot_model
 from mitl.paths import FloatArray
 from mitl.poses import pose_of
 from mitl.protocols import Rig
 from mitl.rig.config import read_rig
 from mitl.simulation.arm import kinematic_arm
 from mitl.simulation.dynamic_arm import dynamic_arm
+from mitl.simulation.process import JointSource
 from mitl.simulation.tracker_model import Session, TrackerModel
 from mitl.simulation.tracker_parameters import load_preset
 from mitl.simulation.world import World
@@ -44,7 +46,7 @@ def load_rig(name_or_file: str, seed: int, faults: Sequence[str]) -> Rig:
     controller = SimulatedController(model, broken)
     X_WL, X_FM = _placement(seed)
     arm = dynamic_arm(X_FM) if config.fidelity == "dynamic" else kinematic_arm
-    world = World(model.urdf, controller, TrackerModel(parameters, seed), X_WL=X_WL, X_FM=X_FM, arm=arm)
+    world = World(model.urdf, _UrdfJoints(model, controller), TrackerModel(parameters, seed), X_WL=X_WL, X_FM=X_FM, arm=arm)
     controller.connect(world)
     world.add(controller)
     tracker = SimulatedTracker(world, TrackerClock.drawn(parameters, seed))
@@ -68,6 +70,17 @@ def load_rig(name_or_file: str, seed: int, faults: Sequence[str]) -> Rig:
         begin_case=begin_case,
         versions={"mitl": __version__, "python": platform.python_version(), **{name: version(name) for name in _PACKAGES}},
     )
+
+
+@dataclass(frozen=True)
+class _UrdfJoints:
+    """A joint source that gives the angles between the links, as the URDF has them, for a source of RAPID's joints."""
+
+    model: RobotModel
+    source: JointSource
+
+    def joints_at(self, time: float) -> FloatArray:
+        return self.model.between_links(self.source.joints_at(time))
 
 
 def _placement(seed: int) -> tuple[FloatArray, FloatArray]:
