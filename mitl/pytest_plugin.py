@@ -56,6 +56,13 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     group.addoption(
         "--mitl-calibration", default=str(_CALIBRATION_PROGRAM), metavar="FILE", help="RAPID program with the calibration poses"
     )
+    group.addoption(
+        "--mitl-repeats",
+        default=3,
+        type=int,
+        metavar="N",
+        help="run an inconclusive case at most N times, as a sequential test (default 3)",
+    )
     group.addoption("--mitl-out", default=None, metavar="DIR", help="keep results.json, junit.xml, report.html and recordings here")
 
 
@@ -101,7 +108,11 @@ def pytest_runtestloop(session: pytest.Session) -> None:
     if config.option.collectonly or not (planned or (shares_out and config.getoption("mitl_out"))):
         return
     from mitl.errors import UsageError  # noqa: PLC0415 - not in other people's runs
+    from mitl.metrics.sequential import POCOCK  # noqa: PLC0415
 
+    repeats: int = config.getoption("mitl_repeats")
+    if not 1 <= repeats <= len(POCOCK):
+        raise pytest.UsageError(f"--mitl-repeats={repeats}: expected 1 to {len(POCOCK)}")
     keeper = _keeper(config)
     keeper.planned.extend(planned)
     try:
@@ -199,6 +210,21 @@ def pytest_runtest_call(item: pytest.Item) -> Generator[None, Any, Any]:
     if recorder is not None:
         _endings().tell_pytest(recorder)
     return result
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> bool | None:
+    """Runs a declared case, again while it is inconclusive and averaging may decide it; leaves other tests to pytest."""
+    __tracebackhide__ = True
+    if _info(pyfuncitem) is None:
+        return None
+    recorder = _recorder(pyfuncitem)
+    recorder.most_looks = pyfuncitem.config.getoption("mitl_repeats")
+    arguments = {name: pyfuncitem.funcargs[name] for name in pyfuncitem._fixtureinfo.argnames}  # as pytest's own hook does
+    pyfuncitem.obj(**arguments)
+    while recorder.next_round():
+        pyfuncitem.obj(**arguments)
+    return True
 
 
 @pytest.hookimpl(wrapper=True)

@@ -52,6 +52,14 @@ if TYPE_CHECKING:
     metavar="FOLDER",
     help="Cases of your own (test_*.py, and a conftest.py if there is one) instead of mitl's.",
 )
+@click.option(
+    "--repeats",
+    default=3,
+    show_default=True,
+    type=click.IntRange(1, 10),
+    metavar="N",
+    help="Run an inconclusive case at most N times: a sequential test, 5 % wrong verdicts at the limit over all rounds.",
+)
 @click.option("--list", "only_list", is_flag=True, help="List the cases and run none.")
 @click.option("--format", "form", type=click.Choice(("text", "json")), default="text", show_default=True, help="Form of the output.")
 @click.pass_context
@@ -63,6 +71,7 @@ def verify_command(
     faults: tuple[str, ...],
     out: Path,
     tests: Path | None,
+    repeats: int,
     only_list: bool,
     form: str,
 ) -> None:
@@ -78,6 +87,7 @@ def verify_command(
     options = [
         f"--mitl-rig={rig}",
         f"--mitl-seed={seed}",
+        f"--mitl-repeats={repeats}",
         *(f"--mitl-fault={fault}" for fault in faults),
         *(f"--mitl-case={case}" for case in cases),
     ]

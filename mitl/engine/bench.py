@@ -125,12 +125,14 @@ class Bench:
         chosen = dict(variables or {})
         oracle = self.oracle(option, sub_option, variables=chosen)
         label = name or f"{len(self._recorder.runs) + 1} option {option}.{sub_option}"
+        if self._recorder.round > 1:
+            label += f" round {self._recorder.round}"
         self.start()
         self.tracker.start()
         self._tracking = label
         self.clock.wait(STILL)
         began = self.clock.now()
-        order(self.rig, option, sub_option, variables=chosen, timeout=timeout)
+        self._order(option, sub_option, chosen, timeout)
         ended = self.clock.now()
         self.clock.wait(STILL)
         self._tracking = None
@@ -168,9 +170,19 @@ class Bench:
         """Gives the case's program an order without tracking it, waits until it is done and `settle` seconds longer; gives its oracle."""
         oracle = self.oracle(option, sub_option, variables=variables)
         self.start()
-        order(self.rig, option, sub_option, variables=variables or {}, timeout=timeout)
+        self._order(option, sub_option, variables or {}, timeout)
         self.clock.wait(settle)
         return oracle
+
+    def _order(self, option: int, sub_option: int, variables: Mapping[str, str], timeout: float) -> None:
+        """Gives an order; one that is not done stops the robot, and the program is loaded again for what may follow."""
+        try:
+            order(self.rig, option, sub_option, variables=variables, timeout=timeout)
+        except RigError:
+            self.controller.stop()
+            self._loaded = False
+            self._break_off()
+            raise
 
     def still_point(self, seconds: float = 0.5) -> StillPoint:
         """Gives the point where the tool stands, averaged over `seconds`, in the work object and with the tool of the last order.
@@ -209,6 +221,9 @@ class Bench:
             time = np.array([point.time for point, _ in self._still])
             self._recorder.paths["/tracker/still"] = PoseTrack(_path(time, raw), "tracker", "body")
             self._recorder.paths["/tool/still"] = PoseTrack(_path(time, np.array([tool for _, tool in self._still])), "wobj", "tool")
+        self._break_off()
+
+    def _break_off(self) -> None:
         if self._tracking is not None:
             label, self._tracking = self._tracking, None
             self._recorder.runs.append(RecordedRun(f"{label} broken off", self.tracker.stop(), None, None))

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+import traceback
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from typing import NoReturn
 
 import numpy as np
 
-from mitl.engine.record import BudgetTerm, CheckRecord
+from mitl.engine.judging import Look, Question
+from mitl.engine.record import BudgetTerm
 from mitl.engine.recorder import CaseRecorder
-from mitl.metrics.decision import GUARD, decide
+from mitl.errors import MitlError
 from mitl.metrics.uncertainty import Budget
 from mitl.outcome import Outcome
 from mitl.paths import FloatArray
@@ -48,10 +51,13 @@ class Check:
         value, limit and the standard uncertainty are in `unit`. warning: out of limit is recorded as a warning and fails nothing.
         budget: what made the uncertainty, kept for the report: a metrics Budget in SI, which is converted to `unit` and is the
         uncertainty where none is given, or terms in `unit`. over_time: (time in s, value in `unit`), drawn in the report with the limit.
+        In a case that is repeated, the mean of all rounds is judged with the wider guard band of a sequential test (metrics.sequential).
         A value that is not finite is ERROR, an infinite uncertainty INCONCLUSIVE. Raises ValueError where limit or uncertainty make no
         sense.
         """
-        if any(done.name == name for done in self._recorder.checks):
+        if self._recorder.subtest is not None:
+            name = f"{self._recorder.subtest}: {name}"
+        if name in self._recorder.made:
             raise ValueError(f"check {name!r} was already made in this case; give each check a name of its own")
         if not math.isfinite(limit) or (limit < 0.0 and not at_least):
             raise ValueError(f"check {name!r}: expected a finite limit >= 0, got {limit}")
@@ -62,32 +68,45 @@ class Check:
             uncertainty = budget.combined * _per_si(unit)
         if not uncertainty >= 0.0:
             raise ValueError(f"check {name!r}: expected an uncertainty >= 0, got {uncertainty}")
-        value, limit, uncertainty = float(value), float(limit), float(uncertainty)
-        finite = math.isfinite(value)
-        outcome = _decide(value, limit, uncertainty, at_least=at_least) if finite else Outcome.ERROR
         topic = None
         if over_time is not None:
             time, values = (np.asarray(part, dtype=np.float64) for part in over_time)
             topic = self._recorder.add_series(name, Series(time, values[:, None], (f"{name} {unit}".strip(),)))
-        self._recorder.checks.append(
-            CheckRecord(
-                name,
-                value if finite else None,
-                unit,
-                limit,
-                uncertainty if math.isfinite(uncertainty) else None,
-                outcome,
-                at_least=at_least,
-                warning=warning,
-                series=topic,
-                budget=terms,
-            )
-        )
-        if not finite:
+        question = Question(name, unit, float(limit), at_least, warning, topic, self._recorder.subtest, self._recorder.most_looks)
+        record = self._recorder.look(question, Look(float(value), float(uncertainty), terms))
+        if record.value is None:
             self.message("error", f"{name}: the value is {value}, which is no measurement")
-        elif warning and outcome is Outcome.FAIL:
-            self.message("warning", f"{name}: {value:.4g} {unit} is out of {limit:.4g} {unit}")
-        return outcome
+        elif warning and record.outcome is Outcome.FAIL:
+            self.message("warning", f"{name}: {record.value:.4g} {unit} is out of {limit:.4g} {unit}")
+        return record.outcome
+
+    @contextmanager
+    def subtest(self, name: str) -> Iterator[None]:
+        """Judges a part of the case by itself: its checks are named after it, and an error in it ends the part while the case goes on.
+
+        What ends a case on purpose (check.fatal, pytest.skip, an interrupt) passes through. A sub-test in another is
+        the outer one's error.
+        """
+        if self._recorder.subtest is not None:
+            raise ValueError(f"sub-test {name!r} lies in {self._recorder.subtest!r}: sub-tests do not nest")
+        self._recorder.begin_subtest(name)
+        try:
+            yield
+        except Exception as error:  # noqa: BLE001 - whatever it is, it is recorded as this part's error
+            text = str(error) if isinstance(error, MitlError) else f"{type(error).__name__}: {error}"
+            self._recorder.subtest_error(f"{name}: {text}", "".join(traceback.format_exception(error)))
+        finally:
+            self._recorder.end_subtest()
+
+    def operator(self, text: str) -> None:
+        """Records what the operator is told. Nobody is waited for: a night run has no operator."""
+        self._recorder.say("operator", text)
+
+    def attach(self, name: str, content: bytes) -> None:
+        """Keeps a file in the case's recording. Raises ValueError for a name that is taken."""
+        if name in self._recorder.attachments:
+            raise ValueError(f"attachment {name!r} is there already; give each a name of its own")
+        self._recorder.attachments[name] = content
 
     def message(self, level: str, text: str) -> None:
         """Records a message: info, warning or error. None of them changes the outcome."""
@@ -119,13 +138,3 @@ def _terms(budget: Budget | Mapping[str, float] | None, unit: str) -> tuple[Budg
     if isinstance(budget, Budget):
         return tuple(BudgetTerm(term.name, float(term.value) * _per_si(unit), term.source) for term in budget.terms)
     return tuple(BudgetTerm(name, float(size)) for name, size in budget.items())
-
-
-def _decide(value: float, limit: float, uncertainty: float, *, at_least: bool) -> Outcome:
-    """Gives the guard-banded decision; at_least turns the same guard band round."""
-    if not at_least:
-        return decide(value, limit, uncertainty).outcome
-    guard = GUARD * uncertainty
-    if value - guard >= limit:
-        return Outcome.PASS
-    return Outcome.FAIL if value + guard < limit else Outcome.INCONCLUSIVE

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from mitl.metrics.decision import GUARD
 from mitl.outcome import Outcome, worst
 
 SCHEMA = 1
@@ -24,7 +25,8 @@ class CheckRecord:
 
     value: None where it was not a finite number. uncertainty: None where it is unknown (infinite). at_least: the value must reach the
     limit instead of staying within it. warning: out of limit is worth a warning and does not count towards the case's outcome.
-    series: topic of the check's series in the recording.
+    series: topic of the check's series in the recording. looks: how many times it was measured; value is their mean. guard: factor of the
+    guard band by which it was judged. subtest: name of the sub-test that made it, which its name begins with.
     """
 
     name: str
@@ -37,6 +39,9 @@ class CheckRecord:
     warning: bool = False
     series: str | None = None
     budget: tuple[BudgetTerm, ...] = ()
+    looks: int = 1
+    guard: float = GUARD
+    subtest: str | None = None
 
     @property
     def margin(self) -> float | None:
@@ -52,8 +57,16 @@ class CheckRecord:
 
 
 @dataclass(frozen=True)
+class SubtestRecord:
+    """One part of a case that is judged by itself: an error in it ends the part, not the case."""
+
+    name: str
+    outcome: Outcome
+
+
+@dataclass(frozen=True)
 class Message:
-    """Something said during a case: level is info, warning, error or fatal."""
+    """Something said during a case: level is info, operator, warning, error or fatal."""
 
     level: str
     text: str
@@ -81,6 +94,7 @@ class CaseRecord:
     program: str | None = None
     source: str | None = None
     log: str | None = None
+    subtests: tuple[SubtestRecord, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -88,7 +102,7 @@ class RunRecord:
     """One run: which rig, which seed, which versions, which cases in which order.
 
     started: ISO 8601 with offset. wall_s: how long it took in real time. faults: as given, NAME or NAME=SIZE. interrupted: true as long as
-    cases are missing, so that the record of a killed run says so.
+    cases are missing, so that the record of a killed run says so. judged_from: the run whose recordings were judged again, if so.
     """
 
     rig: str
@@ -100,6 +114,7 @@ class RunRecord:
     started: str = ""
     wall_s: float = 0.0
     interrupted: bool = False
+    judged_from: str | None = None
 
     @property
     def outcome(self) -> Outcome:

@@ -10,7 +10,8 @@ from dataclasses import dataclass, field
 
 from mitl.engine.case import CaseInfo
 from mitl.engine.case_recording import RecordedRun, fresh, recording_of, slug
-from mitl.engine.record import CaseRecord, CheckRecord, Message
+from mitl.engine.judging import Look, Question, judged, promising
+from mitl.engine.record import CaseRecord, CheckRecord, Message, SubtestRecord
 from mitl.errors import MitlError
 from mitl.outcome import Outcome, worst
 from mitl.protocols import LoggedEvent
@@ -22,6 +23,7 @@ class CaseRecorder:
     """Collects checks, messages, paths and series of one case.
 
     stop_robot and now are replaced by the fixture `rig`; a case without a rig has nothing to stop and runs on the computer's clock.
+    round: which run of the case this is, from 1; made: the checks made in it. most_looks: how many runs an inconclusive case may have.
     """
 
     info: CaseInfo
@@ -40,6 +42,62 @@ class CaseRecorder:
     recording: str | None = None
     began: float | None = None
     ended: float | None = None
+    attachments: dict[str, bytes] = field(default_factory=dict)
+    subtests: list[SubtestRecord] = field(default_factory=list)
+    subtest: str | None = None
+    most_looks: int = 1
+    round: int = 1
+    made: set[str] = field(default_factory=set)
+    _asked: dict[str, tuple[Question, list[Look]]] = field(default_factory=dict)
+    _subtest_broken: bool = False
+
+    def look(self, question: Question, look: Look) -> CheckRecord:
+        """Takes one look at a value and gives the verdict on all looks at it so far."""
+        _, looks = self._asked.get(question.name, (question, []))
+        self._asked[question.name] = (question, [*looks, look])
+        record = judged(question, self._asked[question.name][1])
+        places = {check.name: place for place, check in enumerate(self.checks)}
+        if question.name in places:
+            self.checks[places[question.name]] = record
+        else:
+            self.checks.append(record)
+        self.made.add(question.name)
+        return record
+
+    def next_round(self) -> bool:
+        """Gives whether the case is to be run once more: it is inconclusive, and what is open may still be decided by averaging.
+
+        Then checks may be made again by their names.
+        """
+        if self.outcome() is not Outcome.INCONCLUSIVE:
+            return False
+        asked = [self._asked[check.name] for check in self.checks if check.outcome is Outcome.INCONCLUSIVE and not check.warning]
+        if not all(promising(question, looks) for question, looks in asked):
+            return False
+        self.round += 1
+        self.made.clear()
+        return True
+
+    def begin_subtest(self, name: str) -> None:
+        """Begins a part that is judged by itself."""
+        self.subtest, self._subtest_broken = name, False
+
+    def subtest_error(self, text: str, log: str) -> None:
+        """Records that the part could not be judged, and why."""
+        self._subtest_broken = True
+        self.error(text)
+        self.log.append(log)
+
+    def end_subtest(self) -> None:
+        """Ends the part; its outcome is the worst of its checks."""
+        assert self.subtest is not None  # noqa: S101 - check.subtest began it
+        found = [check.outcome for check in self.checks if check.subtest == self.subtest and counts(check)]
+        broken = self._subtest_broken or not found
+        outcome = worst([*found, *([Outcome.ERROR] if broken else [])])
+        if not found and not self._subtest_broken:
+            self.error(f"{self.subtest}: it made no check, so it judged nothing")
+        self.subtests = [done for done in self.subtests if done.name != self.subtest] + [SubtestRecord(self.subtest, outcome)]
+        self.subtest = None
 
     def say(self, level: str, text: str) -> None:
         """Records a message."""
@@ -60,7 +118,7 @@ class CaseRecorder:
 
     def outcome(self) -> Outcome:
         """Gives the outcome so far: the worst of the checks that count; a case that judged nothing is ERROR."""
-        found = [check.outcome for check in self.checks if not (check.warning and check.outcome is not Outcome.ERROR)]
+        found = [check.outcome for check in self.checks if counts(check)]
         if self.broken or not (self.checks or self.skipped):
             found.append(Outcome.ERROR)
         if self.skipped:
@@ -82,7 +140,7 @@ class CaseRecorder:
     def recorded(self, provenance: dict[str, str]) -> Recording:
         """Gives all that was recorded, with the program's text attached; without paths and series there is nothing worth a file."""
         program = self.info.program
-        attachments = {program.name: program.read_bytes()} if program is not None else {}
+        attachments = {**self.attachments, **({program.name: program.read_bytes()} if program is not None else {})}
         metadata = {"case": self.info.id, **provenance}
         return recording_of(self.runs, paths=self.paths, series=self.series, log=self.events, metadata=metadata, attachments=attachments)
 
@@ -130,7 +188,13 @@ class CaseRecorder:
             program=info.program.name if info.program else None,
             source=_text(info) if info.program else None,
             log=log,
+            subtests=tuple(self.subtests),
         )
+
+
+def counts(check: CheckRecord) -> bool:
+    """Gives whether a check counts towards the outcome: a warning does only where its value is no number."""
+    return not check.warning or check.outcome is Outcome.ERROR
 
 
 def file_name(case_id: str, suffix: str) -> str:

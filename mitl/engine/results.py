@@ -6,8 +6,9 @@ import json
 from pathlib import Path
 from typing import Any, TypeVar
 
-from mitl.engine.record import SCHEMA, BudgetTerm, CaseRecord, CheckRecord, Message, RunRecord
+from mitl.engine.record import SCHEMA, BudgetTerm, CaseRecord, CheckRecord, Message, RunRecord, SubtestRecord
 from mitl.errors import UsageError
+from mitl.metrics.decision import GUARD
 from mitl.outcome import Outcome
 
 FILE_NAME = "results.json"
@@ -25,6 +26,7 @@ def to_json(run: RunRecord) -> dict[str, Any]:
         "started": run.started,
         "wall_s": run.wall_s,
         "interrupted": run.interrupted,
+        "judged_from": run.judged_from,
         "versions": dict(run.versions),
         "cases": [case_to_json(case) for case in run.cases],
     }
@@ -47,6 +49,7 @@ def case_to_json(case: CaseRecord) -> dict[str, Any]:
         "program": case.program,
         "source": case.source,
         "log": case.log,
+        "subtests": [{"name": part.name, "outcome": part.outcome.value} for part in case.subtests],
     }
 
 
@@ -62,6 +65,9 @@ def _check_to_json(check: CheckRecord) -> dict[str, Any]:
         "warning": check.warning,
         "series": check.series,
         "budget": [{"name": term.name, "value": term.value, "source": term.source} for term in check.budget],
+        "looks": check.looks,
+        "guard": check.guard,
+        "subtest": check.subtest,
     }
 
 
@@ -103,6 +109,7 @@ def run_of(content: object, where: str) -> RunRecord:
         started=value.optional("started", "").text(),
         wall_s=value.optional("wall_s", 0.0).number(),
         interrupted=value.optional("interrupted", False).truth(),
+        judged_from=value.optional("judged_from", None).text_or_none(),
     )
     said = value.at("outcome").outcome()
     if said is not run.outcome:
@@ -126,6 +133,9 @@ def _case(value: _Value) -> CaseRecord:
         program=value.optional("program", None).text_or_none(),
         source=value.optional("source", None).text_or_none(),
         log=value.optional("log", None).file_name(),
+        subtests=tuple(
+            SubtestRecord(item.at("name").text(), item.at("outcome").outcome()) for item in value.optional("subtests", []).items()
+        ),
     )
 
 
@@ -144,6 +154,9 @@ def _check(value: _Value) -> CheckRecord:
             BudgetTerm(item.at("name").text(), item.at("value").number(), item.optional("source", "").text())
             for item in value.optional("budget", []).items()
         ),
+        looks=value.optional("looks", 1).whole(),
+        guard=value.optional("guard", GUARD).number(),
+        subtest=value.optional("subtest", None).text_or_none(),
     )
 
 

@@ -23,10 +23,11 @@ class Decision:
         return self.tur < 1.0
 
 
-def decide(value: float, limit: float, uncertainty: float) -> Decision:
+def decide(value: float, limit: float, uncertainty: float, *, factor: float = GUARD) -> Decision:
     """Gives the verdict on |value| <= limit for a value with a standard uncertainty, all in one unit.
 
-    PASS if |value| + 1.65 u <= limit, FAIL if |value| - 1.65 u > limit, else INCONCLUSIVE, as is an infinite uncertainty.
+    PASS if |value| + factor u <= limit, FAIL if |value| - factor u > limit, else INCONCLUSIVE, as is an infinite uncertainty.
+    factor: of the guard band; larger where the test may be repeated (metrics.sequential).
     Raises ValueError for a value that is not a number, a negative limit or a negative uncertainty.
     """
     if not isfinite(value):
@@ -36,7 +37,7 @@ def decide(value: float, limit: float, uncertainty: float) -> Decision:
     if not uncertainty >= 0.0:
         raise ValueError(f"an uncertainty must not be negative, got {uncertainty}")
     tur = limit / (2.0 * uncertainty) if uncertainty > 0.0 else float("inf")
-    guard = GUARD * uncertainty
+    guard = factor * uncertainty
     if abs(value) + guard <= limit:
         return Decision(Outcome.PASS, tur)
     if abs(value) - guard > limit:
