@@ -29,7 +29,7 @@ def not_caused(found: Sequence[Diagnostic], problems: Sequence[Diagnostic]) -> l
     if any(problem.code == _UNREAD for problem in problems):
         return []
     broken = {(problem.file, problem.line) for problem in problems}
-    lines = [problem.source_line for problem in problems]
+    lines = [problem.source_line.partition("!")[0] for problem in problems]
     lost_names = {word.lower() for line in lines for word in _WORD.findall(line)}
     lost_heads = {name.lower() for line in lines for name in _HEAD.findall(line)}
 

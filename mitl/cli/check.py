@@ -12,7 +12,8 @@ from collections.abc import Sequence
 
 import click
 
-from rapid_interp import Diagnostic, Severity, check
+from rapid_interp import Diagnostic, Severity, check_texts
+from rapid_interp.reading.files import read_all
 
 EXIT_ERRORS, EXIT_UNREADABLE = 1, 2
 
@@ -30,16 +31,18 @@ def check_command(files: tuple[str, ...], syntax_only: bool, lenient: bool, outp
     Everything given is checked together as one program. Prints all errors and warnings with their places.
     Exit code 1 if there is an error, 2 if a file cannot be read.
     """
-    try:
-        findings = check(files, syntax_only=syntax_only, lenient=lenient)
-    except OSError as problem:
-        click.echo(f"mitl check: cannot read {problem.filename or 'a file'}: {problem.strerror or problem}", err=True)
-        sys.exit(EXIT_UNREADABLE)
+    texts, unreadable = read_all(files)
+    findings = check_texts(texts, syntax_only=syntax_only, lenient=lenient)
     if output_format == "json":
         click.echo(as_json(findings))
     elif findings:
         click.echo(as_text(findings))
-    click.echo(summary(findings), err=True)
+    for problem in unreadable:
+        click.echo(f"mitl check: cannot read {problem.filename or 'a file'}: {problem.strerror or problem}", err=True)
+    if texts or not unreadable:
+        click.echo(summary(findings), err=True)
+    if unreadable:
+        sys.exit(EXIT_UNREADABLE)
     if any(finding.severity is Severity.ERROR for finding in findings):
         sys.exit(EXIT_ERRORS)
 

@@ -276,9 +276,21 @@ class ExpressionCompiler(Compiler):
                 "RAPID-E124", f"the array has {count} dimension{'s' * (count > 1)}, found {len(places)} indices", node.indices[0].start
             )
             return failed()
+        for item, place, size in zip(node.indices, places, base.type.dimensions, strict=True):
+            if place.constant and size > 0:
+                self._inside(place, size, item.start)
         checks = [checked(place.run, item.start) for item, place in zip(node.indices, places, strict=True)]
         run, refer = element(base.raw or base.run, base.refer, checks)
         return Operand(base.type.element, run, refer, base.storage)
+
+    def _inside(self, place: Operand, size: int, at: int) -> None:
+        """Warns of a constant index that can never be right; a program may want the error and handle it."""
+        try:
+            number = place.run([])
+        except (Fault, ArithmeticError, ValueError, LookupError):
+            return  # it is told where the value is computed
+        if number != int(number) or not 1 <= number <= size:
+            self.warn("RAPID-W208", f"index {number:g} is outside of 1..{size}", at)
 
     # ---------------------------------------------------------------- aggregates and operators
 

@@ -67,6 +67,8 @@ class ExpressionParser:
         self.at = 0
         self.depth = 0
         self.gave_up = False
+        self.dropped = 0
+        """Errors that were not recorded because there are too many."""
 
     # ---------------------------------------------------------------- cursor and errors
 
@@ -80,8 +82,12 @@ class ExpressionParser:
             return
         finding = diagnostic(self.source, offset, code, message)
         known = self.diagnostics[-1] if self.diagnostics else None
-        if len(self.diagnostics) < MAX_DIAGNOSTICS and (known is None or (known.line, known.column) != (finding.line, finding.column)):
+        if known is not None and (known.line, known.column) == (finding.line, finding.column):
+            return
+        if len(self.diagnostics) < MAX_DIAGNOSTICS:
             self.diagnostics.append(finding)
+        else:
+            self.dropped += 1
 
     def fail(self, expected: str) -> SyntaxProblem:
         """Records that something else was expected here, and gives the exception to raise."""

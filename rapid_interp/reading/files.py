@@ -5,10 +5,9 @@ Invariant: an unreadable file is an OSError that names it; text in any encoding 
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
-from html import unescape
 from pathlib import Path
+from xml.parsers import expat
 
 from rapid_interp.source import SourceText
 
@@ -16,24 +15,50 @@ SUFFIXES = frozenset({".mod", ".sys", ".prg", ".modx", ".sysx"})
 BACKUP_PARTS = frozenset({"PROGMOD", "SYSMOD"})
 """Folders of a task in a controller's backup; together they are the task's program."""
 MAX_PGF_BYTES = 1_000_000
-_LISTED = re.compile(r"<Module\b[^>]*>\s*([^<>]+?)\s*</Module\s*>", re.IGNORECASE)
 
 
 def decoded(raw: bytes) -> str:
-    """Gives the text of a file: UTF-8 with or without byte order mark, otherwise the 8-bit code of old controllers."""
+    """Gives the text of a file: UTF-8 with or without byte order mark, UTF-16 with one, otherwise the 8-bit code of old controllers."""
+    if raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        return raw.decode("utf-16", errors="replace")
     try:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError:
         return raw.decode("cp1252", errors="replace")
 
 
+def read_text(path: Path) -> SourceText:
+    """Gives the text of one file; OSError if it cannot be read or is no text."""
+    text = decoded(path.read_bytes())
+    if "\0" in text:
+        raise OSError(22, "this is no text: it holds NUL bytes", str(path))
+    return SourceText(str(path), text)
+
+
 def read_texts(sources: Sequence[Path | str]) -> list[SourceText]:
-    """Gives the texts of files, of the files that a `.pgf` lists, and of folders, each once."""
+    """Gives the texts of files, of the files that a `.pgf` lists, and of folders, each once; OSError at the first that cannot be read."""
+    texts, problems = read_all(sources)
+    if problems:
+        raise problems[0]
+    return texts
+
+
+def read_all(sources: Sequence[Path | str]) -> tuple[list[SourceText], list[OSError]]:
+    """Gives the texts of all that can be read, and why the rest cannot."""
     paths: dict[Path, None] = {}
+    problems: list[OSError] = []
     for source in sources:
-        for path in _files(Path(source)):
-            paths.setdefault(path)
-    return [SourceText(str(path), decoded(path.read_bytes())) for path in paths]
+        try:
+            paths |= dict.fromkeys(_files(Path(source)))
+        except OSError as problem:
+            problems.append(problem)
+    texts: list[SourceText] = []
+    for path in paths:
+        try:
+            texts.append(read_text(path))
+        except OSError as problem:
+            problems.append(problem)
+    return texts, problems
 
 
 def _files(path: Path) -> list[Path]:
@@ -50,22 +75,45 @@ def _files(path: Path) -> list[Path]:
 
 
 def listed(listing: Path) -> list[Path]:
-    """Gives the files that a `.pgf` lists, which must lie in its folder.
-
-    The list is read by its `<Module>` elements alone, not as XML: no entity is ever expanded, none is needed.
-    """
+    """Gives the files that a `.pgf` lists in its `<Module>` elements, which must lie in its folder."""
     raw = listing.read_bytes()
     if len(raw) > MAX_PGF_BYTES:
         raise OSError(27, f"more than {MAX_PGF_BYTES} bytes: this is no list of modules", str(listing))
-    text = decoded(raw)
-    if "<!DOCTYPE" in text.upper() or "<!ENTITY" in text.upper():
-        raise OSError(22, "a document type or entities have no place in a list of modules", str(listing))
     beside = {child.name.lower(): child for child in listing.parent.iterdir()}
     found: list[Path] = []
-    for name in map(unescape, _LISTED.findall(text)):
+    for name in _modules(raw, listing):
         if name.lower() not in beside:
             raise FileNotFoundError(2, f"module {name!r} is listed but does not lie beside the list", str(listing))
         found.append(beside[name.lower()])
     if not found:
         raise OSError(22, "the file lists no module", str(listing))
     return found
+
+
+def _modules(raw: bytes, listing: Path) -> list[str]:
+    """Gives the texts of the `<Module>` elements. Document types are refused, so that no entity is ever declared or expanded."""
+    names: list[str] = []
+    inside: list[str] = []
+
+    def begin(name: str, _attributes: dict[str, str]) -> None:
+        inside.append(name.lower())
+        if inside[-1] == "module":
+            names.append("")
+
+    def text(data: str) -> None:
+        if inside and inside[-1] == "module":
+            names[-1] += data
+
+    def refuse(*_: object) -> None:
+        raise OSError(22, "a document type has no place in a list of modules", str(listing))
+
+    parser = expat.ParserCreate()
+    parser.StartElementHandler = begin
+    parser.EndElementHandler = lambda _: inside.pop()
+    parser.CharacterDataHandler = text
+    parser.StartDoctypeDeclHandler = refuse
+    try:
+        parser.Parse(raw, True)
+    except expat.ExpatError as problem:
+        raise OSError(22, f"the list of modules cannot be read as XML: {problem}", str(listing)) from problem
+    return [stripped for name in names if (stripped := name.strip())]

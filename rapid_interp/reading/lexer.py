@@ -87,6 +87,7 @@ _PIECE = re.compile(
     |0[xX][0-9a-fA-F]+|0[bB][01]+|0[oO][0-7]+|(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?
     |:=|<=|>=|<>
     |<(?:ALT|ARG|CAS|CSE|DDN|DIM|EIT|ELF|ERR|EXP|ID|INIT|LBL|NAM|PAR|RDN|SMT|TDN|VAL|VAR)>
+    |(?://|/\*|\#)[^\n]*
     |[-+*/=<>()\[\]{},;:.\\?|%]
     |"[^"\n]*(?:""[^"\n]*)*"?
     |![^\n]*
@@ -130,7 +131,7 @@ def _classify(piece: str) -> str:
         return STRING
     if piece[0] == "<" and piece[-1] == ">" and len(piece) > 2:
         return PLACEHOLDER
-    return piece if first in "-+*/=<>()[]{},;:.\\?|%" else _BAD
+    return piece if first in "-+*/=<>()[]{},;:.\\?|%" and not piece.startswith(("//", "/*")) else _BAD
 
 
 def tokenize(source: SourceText) -> Tokens:
@@ -161,7 +162,10 @@ def _problems(source: SourceText, kinds: list[str], texts: list[str], starts: li
         previous = -2
         for kind, text, start in zip(kinds, texts, starts, strict=True):
             if kind == _BAD:
-                if start != previous + 1:  # one message for a run of them
+                if text.startswith(("//", "/*", "#")):
+                    sign = text[:2] if text[0] == "/" else "#"
+                    found.append(diagnostic(source, start, "RAPID-E002", f"a comment begins with '!' in RAPID, not with {sign!r}"))
+                elif start != previous + 1:  # one message for a run of them
                     found.append(diagnostic(source, start, "RAPID-E002", f"the character {text!r} has no place in RAPID"))
                 previous = start
     for index, kind in enumerate(kinds):

@@ -5,10 +5,11 @@ Invariant: `parse` gives a tree and a list of diagnostics for any text whatever,
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 from rapid_interp.errors import Diagnostic
-from rapid_interp.reading.expressions import SyntaxProblem
+from rapid_interp.reading.expressions import MAX_DIAGNOSTICS, SyntaxProblem
 from rapid_interp.reading.lexer import END, NAME, PLACEHOLDER
 from rapid_interp.reading.statements import StatementParser
 from rapid_interp.reading.tree import (
@@ -47,7 +48,12 @@ def parse(source: SourceText) -> Parsed:
     """Gives the modules of a text and all its syntax errors, in the order of the text."""
     parser = ModuleParser(source)
     modules = parser.modules()
-    return Parsed(source, modules, tuple(sorted(parser.diagnostics, key=lambda found: (found.line, found.column))))
+    found = sorted(parser.diagnostics, key=lambda finding: (finding.line, finding.column))
+    if (dropped := parser.dropped + len(found) - MAX_DIAGNOSTICS) > 0:
+        found = found[:MAX_DIAGNOSTICS]
+        message = f"{dropped} more syntax error{'s' * (dropped > 1)} in this file: only the first {MAX_DIAGNOSTICS} are shown"
+        found.append(replace(found[-1], code="RAPID-E009", message=message))
+    return Parsed(source, modules, tuple(found))
 
 
 class ModuleParser(StatementParser):
@@ -203,6 +209,7 @@ class ModuleParser(StatementParser):
         except SyntaxProblem:
             self.synchronise_head()
         data: list[Data] = []
+        self.block_ifs = 0
         self._local_data(data)
         body = self._section(data)
         backward: tuple[Statement, ...] | None = None
@@ -252,7 +259,8 @@ class ModuleParser(StatementParser):
             found += self.block(frozenset(), data)
             kind = self.kinds[self.at]
             if kind in STATEMENT_ENDS:
-                self.report("RAPID-E004", f"{kind} without a {kind[3:]} before it")
+                article = "an" if kind == "ENDIF" else "a"
+                self.report("RAPID-E004", f"{kind} without {article} {kind[3:]} before it")
                 self.at += 1
             elif kind in ("ALIAS", "RECORD", "ENDRECORD"):
                 self.report("RAPID-E001", f"expected a statement, found {kind}: types are declared outside of routines")

@@ -6,10 +6,10 @@ Invariant: `block` always returns, with its stop word, an END word or a declarat
 from __future__ import annotations
 
 from collections.abc import Callable
-from difflib import SequenceMatcher
 
-from rapid_interp.reading.expressions import ExpressionParser, SyntaxProblem
-from rapid_interp.reading.lexer import END, NAME, PLACEHOLDER, STRING, is_closed
+from rapid_interp.reading.expressions import SyntaxProblem
+from rapid_interp.reading.lexer import END, NAME, PLACEHOLDER
+from rapid_interp.reading.resync import ResyncParser
 from rapid_interp.reading.tree import (
     Assign,
     Branch,
@@ -32,21 +32,11 @@ from rapid_interp.reading.tree import (
     Test,
     While,
 )
-from rapid_interp.reading.words import BEGINNINGS, DATA_WORDS, INNER_WORDS, RESTARTS, ROUTINE_ENDS, STATEMENT_ENDS, STOPS
+from rapid_interp.reading.words import BEGINNINGS, DATA_WORDS, INNER_WORDS, RESTARTS, STATEMENT_ENDS, STOPS
 
 
-class StatementParser(ExpressionParser):
+class StatementParser(ResyncParser):
     """The grammar of statements."""
-
-    def synchronise(self, begin: int) -> None:
-        """Goes to where reading can go on: after the next `;`, or at a word that begins or ends something."""
-        self.depth = 0
-        if self.at == begin:
-            self.at += self.kinds[self.at] not in STOPS
-        while (kind := self.kinds[self.at]) not in RESTARTS:
-            self.at += 1
-            if kind == ";":
-                return
 
     def block(self, stops: frozenset[str], late_data: list[Data] | None = None) -> tuple[Statement, ...]:
         """Gives the statements up to a word of `stops` or one that can only end something further out."""
@@ -126,17 +116,6 @@ class StatementParser(ExpressionParser):
                 break
         return False
 
-    def semicolon(self) -> None:
-        """Takes the `;`. If the next token begins a new line, the `;` was forgotten and reading goes on there."""
-        if self.kinds[self.at] == ";":
-            self.at += 1
-            return
-        before = self.end_before()
-        if "\n" not in self.source.text[before : self.starts[self.at]]:
-            raise self.fail("';'")
-        if self.kinds[self.at - 1] != STRING or is_closed(self.texts[self.at - 1]):
-            self.report_at("RAPID-E001", f"expected ';' at the end of the line, found {self.shown()} on a later one", before)
-
     def late_call(self) -> Statement:
         """Gives the call of a procedure by a name that is known only when it runs."""
         start = self.starts[self.at]
@@ -144,36 +123,6 @@ class StatementParser(ExpressionParser):
         value = self.expression()
         self.take("%")
         return self.call(LateName(value, start, self.end_before()), start)
-
-    def header(self, closer: str) -> Expression:
-        """Gives the expression before THEN or DO. An error in it does not lose the block."""
-        begin = self.at
-        try:
-            value = self.expression()
-            self.take(closer)
-        except SyntaxProblem:
-            while self.kinds[self.at] not in RESTARTS and self.kinds[self.at] not in (";", closer):
-                line_break = "\n" in self.source.text[self.starts[self.at] : self.starts[self.at + 1]]
-                self.at += 1
-                if line_break:
-                    break
-            if self.kinds[self.at] == closer:
-                self.at += 1
-            return Placeholder("<EXP>", self.starts[begin], self.starts[begin] + 1)
-        return value
-
-    def close(self, word: str, opener: str, begin: int) -> int:
-        """Takes the END word of a block and gives the offset after it; another or none is an error."""
-        kind = self.kinds[self.at]
-        line = self.source.line_of(self.starts[begin])
-        if kind == word:
-            self.at += 1
-        elif kind in STATEMENT_ENDS or (kind in ROUTINE_ENDS and word in ROUTINE_ENDS):
-            self.report("RAPID-E004", f"wrong END keyword: expected {word} to close the {opener} of line {line}, found {kind}")
-            self.at += 1
-        else:
-            self.report("RAPID-E005", f"expected {word} to close the {opener} of line {line}, found {self.shown()}")
-        return self.end_before()
 
     # ---------------------------------------------------------------- compound statements
 
@@ -186,15 +135,18 @@ class StatementParser(ExpressionParser):
         condition = self._if_condition()
         if self.kinds[self.at] == "THEN":
             self.at += 1
-        elif self._looks_like_then():
+        elif self.looks_like_then():
             self.fail("THEN")
             self.at += 1
+        elif self.lacks_then():
+            self.forgotten("THEN")
         elif self.kinds[self.at] == NAME or self.kinds[self.at] in BEGINNINGS or self.kinds[self.at] in ("%", PLACEHOLDER):
             statement = self.statement()
             self.depth -= 1
             return If((Branch(condition, (statement,)),), None, True, start, self.end_before())
         elif not isinstance(condition, Placeholder):
             self.fail("THEN")
+        self.block_ifs += 1
         branches = [Branch(condition, self.block(_IF_STOPS))]
         otherwise: tuple[Statement, ...] | None = None
         while self.kinds[self.at] in ("ELSEIF", "ELSE"):
@@ -208,18 +160,9 @@ class StatementParser(ExpressionParser):
                 if self.kinds[self.at] in ("ELSEIF", "ELSE"):
                     self.report("RAPID-E004", f"{self.kinds[self.at]} after ELSE")
         end = self.close("ENDIF", "IF", begin)
+        self.block_ifs -= 1
         self.depth -= 1
         return If(tuple(branches), otherwise, False, start, end)
-
-    def _looks_like_then(self) -> bool:
-        """Gives whether the name here, last on its line, is a misspelt THEN and not the instruction of a compact IF."""
-        if self.kinds[self.at] != NAME:
-            return False
-        following = self.kinds[self.at + 1]
-        between = self.source.text[self.starts[self.at] : self.starts[self.at + 1]]
-        if following == ";" or "\n" not in between:
-            return False
-        return following in RESTARTS or SequenceMatcher(None, self.texts[self.at].upper(), "THEN").ratio() >= 0.6
 
     def _if_condition(self) -> Expression:
         begin = self.at
@@ -258,27 +201,20 @@ class StatementParser(ExpressionParser):
             self.take("TO")
             last = self.expression()
         except SyntaxProblem:
-            self._skip_line()
+            self.skip_line()
         else:
             if self.kinds[self.at] == "STEP":
                 self.at += 1
                 step = self.header("DO")
             elif self.kinds[self.at] == "DO":
                 self.at += 1
-            else:
+            elif not self.forgotten("DO", "STEP or DO"):
                 self.fail("STEP or DO")
-                self._skip_line()
+                self.skip_line()
         body = self.block(STATEMENT_ENDS)
         end = self.close("ENDFOR", "FOR", begin)
         self.depth -= 1
         return For(variable, first, last, step, body, self.starts[begin], end)
-
-    def _skip_line(self) -> None:
-        line = self.source.line_of(self.starts[self.at])
-        while self.kinds[self.at] not in RESTARTS and self.source.line_of(self.starts[self.at]) == line:
-            self.at += 1
-            if self.kinds[self.at - 1] == "DO":
-                break
 
     def test_statement(self) -> Statement:
         """Gives the TEST here."""

@@ -34,7 +34,9 @@ def printed(kind: RapidType, value: Value) -> str:
                 return f'"{value}"'
             if isinstance(value, float):
                 return number_printed(value, 15 if kind is DNUM else 6)
-            return str(value)
+            if isinstance(value, tuple):  # data of a type whose components are not known
+                return "[" + ",".join(printed(kind, item) for item in value) + "]"
+            return "[]"
         case Record():
             return "[" + ",".join(printed(part, item) for (_, part), item in zip(kind.components, value, strict=True)) + "]"
         case Array():

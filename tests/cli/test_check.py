@@ -50,10 +50,12 @@ def test_json_is_one_list_with_the_keys_of_the_contract(files):
     assert json.loads(invoke(files / "good.mod", "--format", "json").stdout) == []
 
 
-def test_a_missing_file_is_told_by_name_with_exit_code_2(files):
-    result = invoke(files / "good.mod", files / "none.mod")
-    assert (result.exit_code, result.stdout) == (2, "")
-    assert f"cannot read {files}/none.mod: No such file" in result.stderr
+def test_a_missing_file_is_told_by_name_with_exit_code_2_beside_what_is_wrong_with_the_others(files):
+    result = invoke(files / "none.mod", files / "bad.mod", files / "nor_this.mod")
+    assert result.exit_code == 2
+    assert "unknown procedure or instruction 'TPWrit'" in result.stdout
+    for name in ("none.mod", "nor_this.mod"):
+        assert f"cannot read {files}/{name}: No such file" in result.stderr
 
 
 def test_no_file_is_a_usage_error_and_help_has_an_example():

@@ -61,11 +61,17 @@ def test_a_string_that_is_not_closed_is_one_error():
     assert [(f.line, f.column, f.code) for f in found] == [(2, 17, "RAPID-E003")]
 
 
+def test_errors_beyond_a_thousand_are_counted():
+    found = check_texts([SourceText("x", "MODULE m\nPROC p()\n" + "x := ;\n" * 3000 + "ENDPROC\nENDMODULE")])
+    assert len(found) == 1001
+    assert (found[-1].code, found[-1].message) == ("RAPID-E009", "2000 more syntax errors in this file: only the first 1000 are shown")
+
+
 def test_every_code_of_the_resolver_has_a_program_that_shows_it():
     source = "".join(path.read_text() for path in (Path(__file__).parents[2] / "rapid_interp").rglob("*.py"))
     codes = set(re.findall(r"RAPID-[EW]\d{3}", source))
     shown = {finding.code for path in FILES for finding in [*check([path]), *check([path], lenient=True)]}
-    assert codes - shown - {"RAPID-E003"} == set()
+    assert codes - shown - {"RAPID-E003", "RAPID-E009"} == set()
 
 
 def test_a_lenient_caller_is_warned_of_unknown_instructions_that_can_change_nothing():

@@ -51,11 +51,28 @@ def test_a_pgf_says_which_modules_of_a_folder_are_the_program(tmp_path):
         '<!DOCTYPE x [<!ENTITY a "b">]><Program><Module>&a;</Module></Program>',
         "<Program><Module>../secret.mod</Module></Program>",
         "<Program></Program>",
+        "<Program><!-- <Module>a.mod</Module> --></Program>",
+        "<Program><Module>a.mod</Program>",
     ],
 )
 def test_a_strange_pgf_is_refused(tmp_path, text):
     (tmp_path / "p.pgf").write_text(text)
     with pytest.raises(OSError, match=r"p\.pgf"):
+        load([tmp_path])
+
+
+def test_a_module_in_a_comment_of_a_pgf_is_not_loaded(tmp_path):
+    for name in ("A", "B"):
+        (tmp_path / f"{name}.mod").write_text(MODULE.format(name=name))
+    (tmp_path / "p.pgf").write_text("<Program><!-- <Module>A.mod</Module> --><Module><![CDATA[B.mod]]></Module></Program>")
+    assert load([tmp_path]).modules == ("B",)
+
+
+def test_utf_16_is_read_and_what_is_no_text_is_refused(tmp_path):
+    (tmp_path / "a.mod").write_bytes(MODULE.format(name="A").encode("utf-16"))
+    assert load([tmp_path]).modules == ("A",)
+    (tmp_path / "a.mod").write_bytes(bytes(range(32)))
+    with pytest.raises(OSError, match="this is no text"):
         load([tmp_path])
 
 
