@@ -101,7 +101,7 @@ class Habit:
             place_and_way = np.concatenate([stop, stop - self._last])
             found[row] = np.cos((self._wave_vectors * place_and_way).sum(axis=2) + self._phases).sum(axis=0)
             self._last = stop
-        return found * math.sqrt(2.0 / self._WAVES)
+        return found * (math.sqrt(3.0) / lengths(found)[:, np.newaxis])
 
 
 class Glitches:
