@@ -16,43 +16,29 @@ from mitl.simulation.noise import lengths, low_pass, times_matrix
 from mitl.simulation.quaternions import product
 from mitl.simulation.tracker_parameters import CreepAfterStop, FrameJump, Glitch, Loss
 
-_TOGETHER = 8
-
 
 class Creep:
-    """The body creeps in its mount: to a new random offset after each stop, about zero while it moves.
+    """The body creeps in its mount: towards a new offset after each stop, back to zero while it moves.
 
-    ASSUMPTION A-50: the facts give the rate after a stop, and a speed noise at 5 mm/s that the noise of a still point cannot explain; one
-    first-order lag, driven by noise in motion and by a random target at rest, gives both.
+    ASSUMPTION A-50: one first-order lag; nothing of it wanders in motion, because what did would outlast the stop, and the thesis's centre
+    came back within .25 mm (table 4.4).
     """
 
-    def __init__(
-        self,
-        wander: np.random.Generator,
-        targets: np.random.Generator,
-        habits: np.random.Generator,
-        creep: CreepAfterStop,
-        period: float,
-    ) -> None:
-        self._wander = wander
+    def __init__(self, targets: np.random.Generator, habits: np.random.Generator, creep: CreepAfterStop, period: float) -> None:
         self._targets = targets
         self._habit = Habit(habits)
         self._share = creep.repeatable_share
         self._decay = math.exp(-period / creep.tau_s)
-        self._moving_sd = creep.moving_sd_m
-        # What moves after a stop is the difference of target and offset at the stop: its sd is rate * tau.
-        self._target_sd = math.sqrt(max((creep.rate_m_s * creep.tau_s) ** 2 - creep.moving_sd_m**2, 0.0))
-        self._silent = self._moving_sd == 0.0 and self._target_sd == 0.0
-        self._target: FloatArray = targets.standard_normal(3) * self._moving_sd
-        self._state: FloatArray = (self._target * self._decay)[np.newaxis, :]
-        self._ready: FloatArray = np.empty((0, 3))
+        self._target_sd = creep.rate_m_s * creep.tau_s
+        self._target: FloatArray = np.zeros(3)
+        self._state: FloatArray = np.zeros((1, 3))
 
     def sample(self, position: FloatArray, moving: BoolArray, stops: BoolArray) -> FloatArray:
         """Gives the next offsets (N, 3) in m for a body at position (N, 3); moving (N,): it moves; stops (N,): first sample at rest."""
         count = len(moving)
-        if self._silent:
-            return np.zeros((count, 3))
-        drive = self._wandering(count)
+        drive = np.zeros((count, 3))
+        if self._target_sd == 0.0:
+            return drive
         if not np.all(moving):
             drawn = self._targets.standard_normal((np.count_nonzero(stops), 3))
             if self._share > 0.0 and len(drawn):
@@ -71,18 +57,9 @@ class Creep:
         offset = self._state[0] / self._decay
         self._state = ((self._target + (offset - self._target) * self._decay**count) * self._decay)[np.newaxis, :]
 
-    def _wandering(self, count: int) -> FloatArray:
-        """Gives what drives the lag in motion (count, 3): drawn for eight samples at once, which a lag of .7 s does not notice."""
-        lacking = -(-(count - len(self._ready)) // _TOGETHER)
-        if lacking > 0:
-            drawn = self._wander.standard_normal((lacking, 3)) * (self._moving_sd * math.sqrt((1.0 - self._decay**2) / _TOGETHER))
-            self._ready = np.concatenate([self._ready, np.repeat(drawn, _TOGETHER, axis=0)])
-        drive, self._ready = self._ready[:count], self._ready[count:]
-        return drive.copy()
-
 
 class Habit:
-    """A smooth random function of where the body stops and of the way from its last stop: three normal numbers with variance 1.
+    """A smooth random direction (3,), of length sqrt 3, by where the body stops and the way from its last stop: its numbers have variance 1.
 
     Sum of plane waves over the six coordinates. ASSUMPTION A-78: it changes over 10 cm of place and of way.
     """

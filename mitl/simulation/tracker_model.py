@@ -53,7 +53,7 @@ class _Draw(IntEnum):
     GAIN_FIELD = auto()
     DRIFT_FIELD = auto()
     DRIFT = auto()
-    CREEP_WANDER = auto()
+    CREEP_WANDER = auto()  # no longer drawn
     CREEP_TARGET = auto()
     GLITCH_MOMENT = auto()
     GLITCH_DIRECTION = auto()
@@ -116,7 +116,7 @@ class TrackerModel:
         self._one_base_below = float(ndtri(parameters.one_base.share))
         self._time_errors = draw(_Draw.TIME)
         habits = draw_for_session(_Draw.CREEP_HABIT)
-        self._creep = Creep(draw(_Draw.CREEP_WANDER), draw(_Draw.CREEP_TARGET), habits, parameters.creep, period)
+        self._creep = Creep(draw(_Draw.CREEP_TARGET), habits, parameters.creep, period)
         self._glitches = Glitches(draw(_Draw.GLITCH_MOMENT), draw(_Draw.GLITCH_DIRECTION), parameters.glitch, period)
         self._losses = Losses(draw(_Draw.LOSS), parameters.loss, period)
         self._occlusions = Occlusions(draw(_Draw.OCCLUSION), parameters.occlusion, period)

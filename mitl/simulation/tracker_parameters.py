@@ -73,7 +73,7 @@ class Location:
 
 @dataclass(frozen=True)
 class CreepAfterStop:
-    """After each stop every axis creeps towards a new value: sd of its initial rate, time constant; in motion it wanders.
+    """After each stop every axis creeps towards a new value: sd of its initial rate, time constant; in motion it goes back to zero.
 
     repeatable_share: of the new value's variance, what the same place reached by the same way gives again.
     """
@@ -81,7 +81,6 @@ class CreepAfterStop:
     rate_m_s: float
     repeatable_share: float
     tau_s: float
-    moving_sd_m: float
     still_below_m_s: float
 
 

@@ -51,7 +51,7 @@ def fitted_preset(fit: TrackerFit, name: str, base: str = "lighthouse2") -> Trac
         position_noise=noise,
         orientation_noise=turn,
         location=replace(known.location, gain_median=1.0, gain_sd_log=fit.gain_sd_log),
-        creep=replace(known.creep, rate_m_s=0.0, moving_sd_m=0.0),
+        creep=replace(known.creep, rate_m_s=0.0),
     )
     unscaled = predicted_jitter(replace(plain, location=replace(plain.location, gain_sd_log=0.0)))
     median = fit.typical_jitter / float(np.exp(np.mean(np.log(unscaled))))
