@@ -59,7 +59,7 @@ class Creep:
 
 
 class Habit:
-    """A smooth random direction (3,), of length sqrt 3, by where the body stops and the way from its last stop: its numbers have variance 1.
+    """A smooth random direction (3,), of length sqrt 3, by where the body stops and by the way there: its numbers have variance 1.
 
     Sum of plane waves over the six coordinates. ASSUMPTION A-78: it changes over 10 cm of place and of way.
     """
