@@ -18,14 +18,15 @@ class RigError(MitlError):
 class MotionError(MitlError):
     """A program cannot move as told: unreachable, axis limit, wrong configuration. Exit code 1 for `oracle`.
 
-    `module` and `line` name the RAPID instruction.
+    `module`, `line` and `column` (1-based, 0 where it is not known) name the RAPID instruction.
     """
 
-    def __init__(self, message: str, *, module: str, line: int, file: str = "") -> None:
+    def __init__(self, message: str, *, module: str, line: int, file: str = "", column: int = 0) -> None:
         super().__init__(message)
         self.module = module
         self.line = line
         self.file = file
+        self.column = column
 
     def __str__(self) -> str:
         return f"{self.module}:{self.line}: {self.args[0]}"

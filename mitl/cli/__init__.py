@@ -125,7 +125,8 @@ def _explained(error: Exception) -> tuple[str, int]:
 
 def _at_its_line(error: Any) -> str:  # noqa: ANN401 - a MotionError; the class is imported lazily
     """Gives a motion error with file, line and source line."""
-    head = f"{error.file or error.module}:{error.line}: error: {error.args[0]} [module {error.module}]"
+    position = f"{error.line}:{error.column}" if error.column else f"{error.line}"
+    head = f"{error.file or error.module}:{position}: error: {error.args[0]} [module {error.module}]"
     try:
         with open(error.file, "rb") as file:  # noqa: PTH123 - pathlib would be the only use here
             content = file.read()
@@ -137,7 +138,8 @@ def _at_its_line(error: Any) -> str:  # noqa: ANN401 - a MotionError; the class 
     except (OSError, IndexError):
         return head
     text = line.strip()
-    return f"{head}\n    {text}\n    {'^' * len(text)}"
+    before = max(error.column - 1 - (len(line) - len(line.lstrip())), 0)
+    return f"{head}\n    {text}\n    {' ' * before}{'^' * max(len(text) - before, 1)}"
 
 
 def _tell(message: str, code: int, *, debug: bool) -> int:

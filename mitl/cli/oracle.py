@@ -137,7 +137,7 @@ def _computed(
     run_until(run, _LONGEST if max_time is None else max_time, progress=lambda now: progress.at(f"{now:.1f} s of the robot's time"))
     if not run.finished and max_time is None and run.at is not None:
         reason = f"the program is still running after {_LONGEST:g} s of the robot's time; cut it off with --max-time"
-        raise MotionError(reason, module=run.at.module, line=run.at.line, file=run.at.file)
+        raise MotionError(reason, module=run.at.module, line=run.at.line, file=run.at.file, column=run.at.column)
     ends = duration_of(run) if run.finished else math.inf
     if max_time is not None:
         ends = min(ends, max_time)

@@ -47,6 +47,11 @@ def target_frame(target: data.RobTarget) -> RigidTransform:
     return transform_of(target.trans, target.rot)
 
 
+def displacement(pose: data.Pose) -> RigidTransform:
+    """Gives X_OD of a program displacement: targets are in D."""
+    return transform_of(pose.trans, pose.rot)
+
+
 def joints_of(target: data.JointTarget) -> FloatArray:
     """Gives the joints (6,) in rad of a `jointtarget`."""
     return np.asarray(np.radians(np.array(astuple(target.robax))))

@@ -14,8 +14,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from mitl.errors import MotionError
-from mitl.motion.chain import Chain, Configuring, PlannedMove, Planner, Start, StartTooFastError
+from mitl.motion.chain import Chain, Planner, Start, StartTooFastError
+from mitl.motion.moves import PlannedMove
 from mitl.motion.record import TICK, MotionRecord
+from mitl.motion.refusals import refusal
+from mitl.motion.settings import MoveSettings
 from mitl.paths import FloatArray
 from rapid_interp import effects
 
@@ -97,7 +100,7 @@ class ProgramRun:
         self.planner = planner
         self._inputs = inputs
         self._filter = effect_filter
-        self._configuring = Configuring()
+        self._settings = MoveSettings()
         self._pending: list[PlannedMove] = []
         self._outputs: list[_Output] = []
         self._carried: _Carried | None = None
@@ -133,7 +136,7 @@ class ProgramRun:
                 return
         assert self.at is not None  # noqa: S101 - at least one effect was taken
         message = f"endless loop: {_MOST_EFFECTS} instructions without any motion or time"
-        raise MotionError(message, module=self.at.module, line=self.at.line, file=self.at.file)
+        raise MotionError(message, module=self.at.module, line=self.at.line, file=self.at.file, column=self.at.column)
 
     def hold(self, now: float) -> None:
         """Stops program and motion along the path; the program cannot go on from here."""
@@ -151,9 +154,10 @@ class ProgramRun:
         match effect:
             case effects.MoveAbsJ() | effects.MoveJ() | effects.MoveL() | effects.MoveC():
                 self._move(effect, now)
-            case effects.SetConfiguration():
-                linear, joint = self._configuring.linear, self._configuring.joint
-                self._configuring = Configuring(linear, effect.on) if effect.joint_moves else Configuring(effect.on, joint)
+            case effects.SetConfiguration() | effects.SetSingularity() | effects.SetCirclePathMode() | effects.SetDisplacement():
+                self._settings = self._settings.after(effect)
+            case effects.SetLoad():
+                self._settings = self._settings.after(effect)
             case effects.Wait():
                 self._wait(effect, now)
             case effects.SetSignal() | effects.Write():
@@ -169,12 +173,10 @@ class ProgramRun:
                 self._close(now, fine=True)
                 self.finished = True
             case _:
-                at = effect.at
-                message = f"{type(effect).__name__} is not supported by this controller yet"
-                raise MotionError(message, module=at.module, line=at.line, file=at.file)
+                raise refusal(effect, "not supported by this controller yet")
 
     def _move(self, effect: effects.Motion, now: float) -> None:
-        move = self.planner.plan_move(effect, self._programmed, self._configuring)
+        move = self.planner.plan_move(effect, self._programmed, self._settings)
         self._programmed = move.leg.q_end
         self._pending.append(move)
         if move.fine:

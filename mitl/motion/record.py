@@ -12,8 +12,9 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
-from mitl.motion.chain import Chain, PlannedMove
+from mitl.motion.chain import Chain
 from mitl.motion.filters import moving_average
+from mitl.motion.moves import PlannedMove
 from mitl.motion.robot_model import RobotModel
 from mitl.motion.timing import braked
 from mitl.paths import FloatArray

@@ -5,7 +5,7 @@ Invariant: all are frozen, and each names the source line that it comes from.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TypeAlias
 
 from rapid_interp.data import JointTarget, RobTarget, SpeedData, ToolData, WObjData, ZoneData
@@ -13,12 +13,13 @@ from rapid_interp.data import JointTarget, RobTarget, SpeedData, ToolData, WObjD
 
 @dataclass(frozen=True, slots=True)
 class SourceLine:
-    """Where an effect comes from: module, routine, file as given by the caller, and 1-based line."""
+    """Where an effect comes from: module, routine, file as given by the caller, and 1-based line and column; column 0 is not known."""
 
     module: str
     routine: str
     file: str
     line: int
+    column: int = field(default=0, compare=False)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

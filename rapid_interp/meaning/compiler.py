@@ -82,7 +82,7 @@ class Compiler:
     def source_line(self, offset: int) -> SourceLine:
         """Gives where an effect comes from."""
         routine = self.routine.name if self.routine else ""
-        return SourceLine(self.module, routine, self.source.file, self.source.line_of(offset))
+        return SourceLine(self.module, routine, self.source.file, *self.source.position(offset))
 
     # ---------------------------------------------------------------- steps
 

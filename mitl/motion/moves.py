@@ -1,0 +1,161 @@
+"""From one motion effect to one leg: where it begins and ends, by which solution, with every refusal at its RAPID line.
+
+Invariant: a leg begins where the one before it ended; its joints are within the axis limits all along.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.integrate import simpson
+from scipy.spatial.transform import RigidTransform
+
+from mitl.motion import bridge
+from mitl.motion.dynamics import AS_FAST_AS_IT_CAN, Dynamics
+from mitl.motion.kinematics import Arm
+from mitl.motion.legs import Arc, CartesianLeg, GeometryError, JointLeg, Leg, Line, OrientationLaw, arc_through, evenly, line_through
+from mitl.motion.limits import LegSpeed
+from mitl.motion.path import Corner
+from mitl.motion.refusals import beyond, place, refusal
+from mitl.motion.robot_model import RobotModel
+from mitl.motion.settings import DEFAULT, MoveSettings
+from mitl.motion.tracking import followed, refuse_beyond_limits
+from mitl.paths import FloatArray
+from rapid_interp import data, effects
+
+_QUADRATURE = 64
+_SHORTEST_MOVE = 5e-7
+"""A move of less length in m is none: the arm stands, and the next move begins where it stands."""
+
+
+@dataclass(frozen=True, eq=False)
+class PlannedMove:
+    """One motion effect with its leg, its programmed speed and its zone radii in m; fine has none. dynamics: how hard it may accelerate."""
+
+    effect: effects.Motion
+    leg: Leg
+    speed: LegSpeed
+    zone: Corner
+    X_BO: RigidTransform
+    dynamics: Dynamics = AS_FAST_AS_IT_CAN
+    settings: MoveSettings = DEFAULT
+
+    @property
+    def fine(self) -> bool:
+        """Gives whether the robot stops at the end of the move."""
+        return self.effect.zone.finep
+
+
+class MovePlanner:
+    """Makes the legs of one arm. `orientation_law` is where a controller under development may turn the tool wrongly."""
+
+    def __init__(self, model: RobotModel, *, orientation_law: OrientationLaw = evenly) -> None:
+        self.model = model
+        self.arm = Arm(model)
+        self._law = orientation_law
+        self._tools: dict[data.Pose, RigidTransform] = {}
+
+    def plan(self, effect: effects.Motion, q_start: FloatArray, settings: MoveSettings) -> PlannedMove:
+        """Gives the leg of one instruction that begins at joints q_start (6,) rad. Raises MotionError where it cannot be moved as told."""
+        if not effect.tool.robhold:
+            raise refusal(effect, "a stationary tool (robhold FALSE) is not supported yet")
+        if effect.wobj.robhold or not effect.wobj.ufprog:
+            raise refusal(effect, "a work object held by a robot or moved by a mechanical unit is not supported yet")
+        if settings.singularity != "off" and isinstance(effect, effects.MoveL | effects.MoveC):
+            raise refusal(effect, f"SingArea \\{settings.singularity} is not supported yet")
+        try:
+            # One transform a tool: legs compare tools by identity.
+            X_FT = self._tools.setdefault(effect.tool.tframe, bridge.tool_frame(effect.tool))
+            X_BO = bridge.work_object_frame(effect.wobj)
+            leg = self._leg(effect, q_start, X_FT, X_BO * bridge.displacement(settings.displacement), settings)
+            if leg.length < _SHORTEST_MOVE:
+                leg = JointLeg(q_start, q_start, X_FT, 0.0, 0.0, 0.0)
+        except (GeometryError, ValueError) as error:
+            raise refusal(effect, str(error)) from error
+        return PlannedMove(effect, leg, self._speed(effect), _zone(effect), X_BO, settings=settings)
+
+    def _leg(self, effect: effects.Motion, q_start: FloatArray, X_FT: RigidTransform, X_BD: RigidTransform, settings: MoveSettings) -> Leg:
+        """Gives the leg; X_BD: the displaced work object, in which targets are."""
+        match effect:
+            case effects.MoveAbsJ():
+                q_end = bridge.joints_of(effect.target)
+                refuse_beyond_limits(self.arm, effect, q_end)
+                return self._joint_leg(q_start, q_end, X_FT)
+            case effects.MoveJ():
+                X_BF = X_BD * bridge.target_frame(effect.target) * X_FT.inv()
+                return self._joint_leg(q_start, self._end_of_joint_move(effect, X_BF, q_start, settings), X_FT)
+            case effects.MoveL() | effects.MoveC():
+                return self._cartesian_leg(effect, q_start, X_FT, X_BD, settings)
+
+    def _joint_leg(self, q_start: FloatArray, q_end: FloatArray, X_FT: RigidTransform) -> JointLeg:
+        """Gives the leg with the TCP's way, and its greatest speeds, by differences at both ends and in between."""
+        step = 1e-4
+        shares = np.linspace(0, 1 - step, _QUADRATURE + 1)[:, None]
+        here, there = (self.arm.flange(q_start + s * (q_end - q_start)) * X_FT for s in (shares, shares + step))
+        speeds = np.linalg.norm(there.translation - here.translation, axis=1) / step
+        turns = (here.rotation.inv() * there.rotation).magnitude() / step
+        travel = float(simpson(speeds, dx=1 / _QUADRATURE))
+        return JointLeg(q_start, q_end, X_FT, travel, float(speeds.max()), float(turns.max()))
+
+    def _end_of_joint_move(self, effect: effects.MoveJ, X_BF: RigidTransform, near: FloatArray, settings: MoveSettings) -> FloatArray:
+        if len(self.arm.solutions(X_BF)) == 0:
+            raise refusal(effect, f"target {_point(X_BF)} is out of reach")
+        wanted = bridge.configuration_of(effect.target)
+        q_end = self.arm.configured(X_BF, wanted) if settings.joint else self.arm.nearest(X_BF, near)
+        if q_end is not None:
+            return q_end
+        possible = [self.arm.turned_near(q, near) for q in self.arm.solutions(X_BF)]
+        allowed = [str(self.arm.configuration(q)) for q in possible if self.arm.within_limits(q)]
+        if not allowed:
+            raise refusal(effect, f"target {_point(X_BF)} can only be reached beyond an axis limit: {beyond(self.model, possible[0])}")
+        raise refusal(
+            effect,
+            f"configuration {wanted} cannot be reached at the target; possible are {', '.join(sorted(set(allowed)))} (or use ConfJ \\Off)",
+        )
+
+    def _cartesian_leg(
+        self,
+        effect: effects.MoveL | effects.MoveC,
+        q_start: FloatArray,
+        X_FT: RigidTransform,
+        X_BD: RigidTransform,
+        settings: MoveSettings,
+    ) -> CartesianLeg:
+        X_BT_start = self.arm.flange(q_start) * X_FT
+        X_BT_end = X_BD * bridge.target_frame(effect.target)
+        start, end = X_BT_start.translation, X_BT_end.translation
+        if isinstance(effect, effects.MoveC):
+            curve: Line | Arc = arc_through(start, (X_BD * bridge.target_frame(effect.via)).translation, end)
+        else:
+            curve = line_through(start, end)
+        turn = (X_BT_start.rotation.inv() * X_BT_end.rotation).as_rotvec()
+        if np.linalg.norm(turn) < 1e-9:  # RAPID's rounded quaternions, not a turn
+            turn = np.zeros(3)
+        leg = followed(self.arm, effect, CartesianLeg(curve, X_BT_start.rotation, turn, self._law, X_FT, np.zeros(1), q_start[None]))
+        if settings.linear and not self.arm.matches(leg.q_end, bridge.configuration_of(effect.target)):
+            wanted = bridge.configuration_of(effect.target)
+            raise refusal(
+                effect, f"the move ends in configuration {self.arm.configuration(leg.q_end)}, programmed is {wanted} (or use ConfL \\Off)"
+            )
+        return leg
+
+    def _speed(self, effect: effects.Motion) -> LegSpeed:
+        tcp = bridge.MM * (effect.speed.v_tcp if effect.tcp_speed is None else effect.tcp_speed)
+        if tcp <= 0 or effect.speed.v_ori <= 0:
+            raise refusal(effect, f"speed must be positive, is {1e3 * tcp:g} mm/s and {effect.speed.v_ori:g} deg/s")
+        if effect.duration is not None and effect.duration <= 0:
+            raise refusal(effect, f"\\T must be positive, is {effect.duration:g} s")
+        return LegSpeed(min(tcp, self.model.vmax), np.radians(effect.speed.v_ori), effect.duration)
+
+
+def _zone(effect: effects.Motion) -> Corner:
+    zone = effect.zone
+    if zone.finep:
+        return Corner(0.0, 0.0)
+    radius = zone.pzone_tcp if effect.zone_mm is None else effect.zone_mm
+    return Corner(bridge.MM * radius, bridge.MM * max(radius, zone.pzone_ori))
+
+
+def _point(X_BF: RigidTransform) -> str:
+    return "with the flange at " + place(X_BF.translation)
