@@ -27,6 +27,7 @@ COMMANDS = {
     "characterise": "Statistics of a tracker from its recordings.",
     "fit-tracker": "Fit a tracker preset to still recordings.",
     "report": "Make the report of an earlier run again.",
+    "serve": "Serve a virtual controller by Robot Web Services.",
 }
 
 

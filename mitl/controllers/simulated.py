@@ -6,7 +6,7 @@ Invariant: between two events of its program the arm's motion is known; nothing 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from mitl.controllers.faults import Fault, effect_filter, joint_offset, orientation_law
@@ -19,6 +19,7 @@ from mitl.paths import FloatArray
 from mitl.poses import pose_of
 from mitl.protocols import Clock, ExecutionState, LoggedEvent
 from rapid_interp import Program, RapidError, RapidErrors, Task, load
+from rapid_interp.effects import SourceLine
 
 _RUNTIME_ERROR = 40000
 _MOTION_ERROR = 50000
@@ -38,6 +39,7 @@ class SimulatedController:
         self._joint_offset = joint_offset(faults)
         self._planner = Planner(model, orientation_law=orientation_law(faults))
         self._clock: Clock | None = None
+        self._inputs: Callable[[str, float], float] | None = None
         self._origin = 0.0
         self._record = MotionRecord(model, joints_home())
         self._program: Program | None = None
@@ -51,6 +53,15 @@ class SimulatedController:
     def connect(self, clock: Clock) -> None:
         """Gives the controller its clock."""
         self._clock = clock
+
+    def use_inputs(self, inputs: Callable[[str, float], float]) -> None:
+        """Has programs started from now on read their inputs from `inputs`: value by name and time in s. Without, all inputs are 0."""
+        self._inputs = inputs
+
+    @property
+    def at(self) -> SourceLine | None:
+        """Where the program pointer is: the line of the last instruction that was taken on, or None before the first."""
+        return None if self._run is None else self._run.at
 
     def reset(self) -> None:
         """Puts everything back to how it was switched on: arm at home, no program, no event; its motion begins now."""
@@ -115,7 +126,9 @@ class SimulatedController:
         if self._run is not None:
             raise RigError("start refused: the program was stopped or has ended; load it again")
         now = self._now() - self._origin
-        self._run = ProgramRun(self._task.run(), self._planner, self._record, now=now, effect_filter=effect_filter(self._faults))
+        self._run = ProgramRun(
+            self._task.run(), self._planner, self._record, now=now, inputs=self._inputs, effect_filter=effect_filter(self._faults)
+        )
         self._run.speed_ratio = self._speed_ratio
         self._failed = False
         self._log(self._now(), _INFORMATION, "info", "program started")
