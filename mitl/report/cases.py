@@ -5,23 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-from markupsafe import Markup
-
-from mitl.engine.case_recording import RecordedRun, runs_of
 from mitl.engine.record import BudgetTerm, CaseRecord, CheckRecord
 from mitl.engine.wording import reason
 from mitl.errors import UsageError
 from mitl.metrics.decision import GUARD
-from mitl.metrics.path import nearest_distance
 from mitl.outcome import Outcome
-from mitl.paths import PosePath
 from mitl.recording.mcap_reader import read_recording
-from mitl.recording.records import Recording
-from mitl.report.plots import Limit, deviation_plot, path_plot
+from mitl.report.timeline import MOST_RUNS, Timeline, timeline_of
 
-MOST_RUNS = 6
-"""Runs of a case whose paths are drawn; the recording has all of them."""
+_MOST_WORDS = 1000
 
 
 @dataclass(frozen=True)
@@ -54,26 +46,16 @@ class BudgetView:
 
 @dataclass(frozen=True)
 class CheckView:
-    """A check and its bar."""
+    """A check, its bar, and the share of its limit that it uses."""
 
     check: CheckRecord
     gauge: Gauge | None
+    share: float | None
 
     @property
     def indicative(self) -> bool:
         """Whether the report must call the verdict indicative only (facts/tracker.md): TUR below 1."""
         return self.check.tur is not None and self.check.tur < 1.0
-
-
-@dataclass(frozen=True)
-class Plot:
-    """A picture with what stands under it and what it is called for those who do not see it."""
-
-    svg: Markup
-    title: str
-    alt: str
-    legend: tuple[tuple[str, str], ...]
-    wide: bool = False
 
 
 @dataclass(frozen=True)
@@ -84,15 +66,30 @@ class CaseView:
     anchor: str
     checks: tuple[CheckView, ...]
     budgets: tuple[BudgetView, ...]
-    plots: tuple[Plot, ...]
+    timeline: Timeline | None
     notes: tuple[str, ...]
     reasons: tuple[str, ...]
     worst: float | None
 
+    @property
+    def words(self) -> str:
+        """What the page's search looks in, in small letters."""
+        case = self.case
+        parts = [case.id, case.title, *(check.name for check in case.checks), *(message.text[:200] for message in case.messages[:20])]
+        return " ".join(" ".join(parts).lower().split())[:_MOST_WORDS]
 
-def case_view(case: CaseRecord, number: int, folder: Path) -> CaseView:
-    """Gives what the page shows of a case; a recording that is gone or broken is noted and costs only the plots."""
-    plots: list[Plot] = []
+    @property
+    def decisive(self) -> tuple[CheckView, ...]:
+        """The checks that made the case what it is, the worst first."""
+        mine = [view for view in self.checks if view.check.outcome is self.case.outcome and not view.check.warning]
+        return tuple(sorted(mine, key=lambda view: -(view.share or 0.0)))
+
+
+def case_view(case: CaseRecord, number: int, folder: Path, points: int) -> CaseView:
+    """Gives what the page shows of a case, its plots with about so many points; a recording that is gone or broken is noted and costs
+    only the plots.
+    """
+    timeline: Timeline | None = None
     notes: list[str] = []
     if case.recording is not None:
         try:
@@ -102,24 +99,23 @@ def case_view(case: CaseRecord, number: int, folder: Path) -> CaseView:
         else:
             if recording.damage:
                 notes.append(f"The recording is incomplete: {recording.damage}")
-            runs = runs_of(recording)
-            plots = [*_run_plots(case, runs[:MOST_RUNS], number), *_series_plots(case, recording, number)]
-            if len(runs) > MOST_RUNS:
-                notes.append(f"The recording holds {len(runs)} runs; the first {MOST_RUNS} are drawn.")
-    shares = [share for check in case.checks if not check.warning and (share := _share(check)) is not None]
+            timeline = timeline_of(case, recording, points)
+            if timeline is not None and timeline.runs > MOST_RUNS:
+                notes.append(f"The recording holds {timeline.runs} runs; the first {MOST_RUNS} are drawn.")
+    shares = [share for check in case.checks if not check.warning and (share := share_of(check)) is not None]
     return CaseView(
         case,
         f"case-{number}",
-        tuple(CheckView(check, _gauge(check)) for check in case.checks),
+        tuple(CheckView(check, _gauge(check), share_of(check)) for check in case.checks),
         _budgets(case),
-        tuple(plots),
+        timeline,
         tuple(notes),
         tuple(reason(case).splitlines()),
         max(shares, default=None),
     )
 
 
-def _share(check: CheckRecord) -> float | None:
+def share_of(check: CheckRecord) -> float | None:
     """Gives how much of its limit a check uses, 1 where it is just reached."""
     if check.value is None:
         return None
@@ -149,63 +145,6 @@ def _budgets(case: CaseRecord) -> tuple[BudgetView, ...]:
         ordered = sorted((term for term in budget if term.value > 0.0), key=lambda term: -term.value)
         views.append(BudgetView(tuple(names), unit, uncertainty, tuple(Term(term, 100.0 * term.value**2 / total) for term in ordered)))
     return tuple(views)
-
-
-def _series_plots(case: CaseRecord, recording: Recording, number: int) -> list[Plot]:
-    """Gives a plot for every check that kept what it judged."""
-    plots = []
-    for index, check in enumerate(case.checks):
-        series = recording.series.get(check.series or "")
-        if series is None or len(series.time) == 0 or not np.isfinite(series.values).any():
-            continue
-        guard = GUARD * (check.uncertainty or 0.0)
-        svg = deviation_plot(series.time, series.values[:, 0], [Limit(check.limit, guard, check.at_least)], salt=f"{number}s{index}")
-        unit = f" in {check.unit}" if check.unit else ""
-        largest = float(np.nanmax(np.abs(series.values)))
-        alt = f"{check.name}{unit} over time, largest {largest:.3g}, limit {check.limit:.3g}"
-        plots.append(Plot(Markup(svg), f"{check.name}{unit}", alt, (("measured", "value"), ("limit", "limit with guard band"))))  # noqa: S704 - made by matplotlib from numbers only
-    return plots
-
-
-def _run_plots(case: CaseRecord, runs: list[RecordedRun], number: int) -> list[Plot]:
-    """Gives for every run its path and, where no check kept a series, the distance from the oracle's path."""
-    has_series = any(check.series for check in case.checks)
-    plots = []
-    for index, run in enumerate(runs):
-        name = f"Run {run.name}" if len(runs) > 1 else "Path"
-        tool, oracle = _millimetres(run.tool), _millimetres(run.oracle)
-        if tool is None and oracle is None:
-            continue
-        legend = [("oracle", "oracle")] * (oracle is not None) + [("measured", "recorded")] * (tool is not None) + [("start", "start")]
-        svg = path_plot(oracle, tool, salt=f"{number}p{index}")
-        alt = f"{name}: the tool in the work object, two planes. " + _extent("Oracle", oracle) + _extent("Recorded", tool)
-        plots.append(Plot(Markup(svg), f"{name}: the tool in the work object", alt.strip(), tuple(legend), wide=True))  # noqa: S704 - made by matplotlib from numbers only
-        if has_series or run.tool is None or tool is None or oracle is None:
-            continue
-        distance = nearest_distance(oracle, tool)
-        limits = sorted({check.limit for check in case.checks if check.unit == "mm" and not (check.at_least or check.warning)})
-        shown = [Limit(limits[0], 0.0)] if len(limits) == 1 else []
-        svg = deviation_plot(run.tool.time, distance, shown, salt=f"{number}d{index}")
-        alt = f"{name}: distance from the oracle's path in mm over time, largest {np.max(distance):.3g}"
-        with_limit = (("limit", "limit"),) if shown else ()
-        plots.append(Plot(Markup(svg), f"{name}: distance from the oracle's path in mm", alt, (("measured", "recorded"), *with_limit)))  # noqa: S704 - made by matplotlib from numbers only
-    return plots
-
-
-def _millimetres(path: PosePath | None) -> np.ndarray[tuple[int, int], np.dtype[np.float64]] | None:
-    if path is None:
-        return None
-    valid = path.only_valid().position * 1e3
-    valid = valid[np.isfinite(valid).all(axis=1)]
-    return valid if len(valid) else None
-
-
-def _extent(name: str, points: np.ndarray[tuple[int, int], np.dtype[np.float64]] | None) -> str:
-    if points is None:
-        return f"{name}: none. "
-    low, high = points.min(axis=0), points.max(axis=0)
-    spans = ", ".join(f"{axis} {a:.0f} to {b:.0f}" for axis, a, b in zip("xyz", low, high, strict=True))
-    return f"{name}: {spans} mm. "
 
 
 SYMBOL = {Outcome.PASS: "✓", Outcome.FAIL: "✗", Outcome.INCONCLUSIVE: "?", Outcome.ERROR: "!", Outcome.SKIPPED: "–"}

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 from collections import Counter
 from pathlib import Path
+from typing import Any
 from urllib.parse import quote
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -15,10 +17,15 @@ from mitl.engine.results import read_run
 from mitl.errors import UsageError
 from mitl.outcome import Outcome
 from mitl.recording.atomic import replacing
-from mitl.report.cases import SYMBOL, case_view
+from mitl.report import assets
+from mitl.report.cases import SYMBOL, CaseView, case_view
 
 FILE_NAME = "report.html"
 _ORDER = (Outcome.FAIL, Outcome.ERROR, Outcome.INCONCLUSIVE, Outcome.PASS, Outcome.SKIPPED)
+_SCRIPTS = ("vendor/uplot.min.js", "vendor/zdog.min.js", "templates/plots.js", "templates/space.js", "templates/page.js")
+_MOST_POINTS, _LEAST_POINTS, _ALL_POINTS = 1500, 250, 70_000
+"""Points drawn of a case, and of all together, so that the page of a long run stays small."""
+_MOST_OPEN = 3
 
 
 def write_report(folder: Path) -> Path:
@@ -33,21 +40,42 @@ def write_report(folder: Path) -> Path:
 def render(folder: Path) -> str:
     """Gives the page's text."""
     run = read_run(folder)
-    views = [case_view(case, number, folder) for number, case in enumerate(run.cases)]
+    points = max(_LEAST_POINTS, min(_MOST_POINTS, _ALL_POINTS // max(1, len(run.cases))))
+    views = [case_view(case, number, folder, points) for number, case in enumerate(run.cases)]
     counts = Counter(case.outcome for case in run.cases)
+    programs = list(dict.fromkeys((case.program or "program", case.source) for case in run.cases if case.source is not None))
     environment = Environment(
         loader=PackageLoader("mitl.report"), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
-    environment.filters.update(number=_number, percent=_percent, duration=_duration, href=quote)
+    environment.filters.update(number=_number, share=_share, times=_times, duration=_duration, href=quote, data=_data)
     return environment.get_template("report.html").render(
         run=run,
         cases=views,
         counts=[(outcome, counts[outcome]) for outcome in _ORDER if counts[outcome]],
-        to_look_at=[view for outcome in _ORDER[:3] for view in views if view.case.outcome is outcome],
+        to_look_at=[view for outcome in _ORDER[:3] for view in _worst_first(views) if view.case.outcome is outcome],
+        open=_open(views),
         symbol=SYMBOL,
+        programs=programs,
+        program_of={
+            view.anchor: programs.index((view.case.program or "program", view.case.source))
+            for view in views
+            if view.case.source is not None
+        },
         calibration=_calibration(folder),
-        style=Markup((Path(__file__).parent / "templates" / "style.css").read_text(encoding="utf-8")),  # noqa: S704 - our own file
+        style=assets.style("vendor/uplot.min.css", "templates/style.css"),
+        scripts=assets.script(*_SCRIPTS),
+        policy=assets.policy(*_SCRIPTS),
     )
+
+
+def _open(views: list[CaseView]) -> set[str]:
+    """Gives the anchors of the cases that stand open at first: what needs a look, or else the first that has something to show."""
+    to_look_at = [view.anchor for outcome in _ORDER[:3] for view in _worst_first(views) if view.case.outcome is outcome]
+    return set((to_look_at or [view.anchor for view in views if view.timeline is not None][:1])[:_MOST_OPEN])
+
+
+def _worst_first(views: list[CaseView]) -> list[CaseView]:
+    return sorted(views, key=lambda view: -(view.worst or 0.0))
 
 
 def _calibration(folder: Path) -> Calibration | None:
@@ -55,6 +83,12 @@ def _calibration(folder: Path) -> Calibration | None:
         return load_calibration(folder / "calibration.toml")
     except UsageError:
         return None
+
+
+def _data(value: Any) -> Markup:  # noqa: ANN401 - whatever JSON can say
+    """Gives JSON that is safe inside a script element: it can neither end it nor begin a comment."""
+    text = json.dumps(value, ensure_ascii=True, allow_nan=False, separators=(",", ":"))
+    return Markup(text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026"))  # noqa: S704 - no markup is left in it
 
 
 def _number(value: float | None, digits: int = 4) -> str:
@@ -65,8 +99,13 @@ def _number(value: float | None, digits: int = 4) -> str:
     return (f"{value:.0f}" if whole else f"{value:.{digits}g}").replace("-", "−")
 
 
-def _percent(value: float | None) -> str:
-    return "—" if value is None else f"{100.0 * value:.0f} %"
+def _share(value: float | None) -> str:
+    """Gives a share in per cent, or as a multiple where per cent would be hard to read."""
+    return "—" if value is None else f"{100.0 * value:.0f} %" if value < 10.0 else _times(value)
+
+
+def _times(value: float | None) -> str:
+    return "" if value is None else f"× {value:.3g}" if value < 1000.0 else "× > 1000"
 
 
 def _duration(seconds: float) -> str:
