@@ -6,7 +6,7 @@ poses are named X_AB (frame B in frame A): W world, B base, F flange, T tool cen
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from pathlib import Path
@@ -190,6 +190,8 @@ class Rig:
     """What a test run is given: one controller, one tracker, one clock, and the source of oracles.
 
     begin_case: called with the case's id before each case, so that a simulated rig reseeds itself: same seed, same case, same numbers.
+    devices: further tracked devices in the tracker's frame, by name, e.g. "belt", or "reference", which stands still.
+    calibration: file of a stored calibration, or None where every run calibrates.
     """
 
     name: str
@@ -201,3 +203,5 @@ class Rig:
     oracles: OracleSource
     begin_case: Callable[[str], None]
     versions: dict[str, str] = field(default_factory=dict)
+    devices: Mapping[str, Tracker] = field(default_factory=dict)
+    calibration: Path | None = None

@@ -166,9 +166,14 @@ def rig(request: pytest.FixtureRequest, mitl_rig: Rig) -> Iterator[Rig]:
 def bench(request: pytest.FixtureRequest, rig: Rig, mitl_calibration: SessionCalibration) -> Iterator[Bench]:
     """What a case works with: runs its program, tracks it, brings it into the work object."""
     from mitl.engine.bench import Bench  # noqa: PLC0415
+    from mitl.engine.frame_watch import frame_watch, refuse_if_moved, void_if_moved  # noqa: PLC0415
 
     session = mitl_calibration
-    made = Bench(rig, session.calibration, session.poses, _recorder(request.node), calibrated_at=session.measured_at)
+    recorder = _recorder(request.node)
+    watch = frame_watch(rig, session, Path(request.config.getoption("mitl_calibration")).resolve())
+    before = refuse_if_moved(watch)
+    recorder.closing.append(lambda: void_if_moved(watch, before, recorder))
+    made = Bench(rig, session.calibration, session.poses, recorder, calibrated_at=session.measured_at)
     yield made
     made.close()
 
@@ -206,7 +211,10 @@ def pytest_runtest_call(item: pytest.Item) -> Generator[None, Any, Any]:
     except BaseException as error:
         _note(item, error, "call")
         raise
-    recorder = item.stash.get(_RECORDER, None)
+    finally:
+        recorder = item.stash.get(_RECORDER, None)
+        if recorder is not None:
+            recorder.end_measuring()
     if recorder is not None:
         _endings().tell_pytest(recorder)
     return result

@@ -6,6 +6,7 @@ import json
 import os
 import tomllib
 from collections.abc import Mapping
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
 
@@ -15,13 +16,21 @@ from mitl.calibration.distortion import Distortion
 from mitl.calibration.result import Calibration, Rejection, Residuals
 from mitl.errors import UsageError
 from mitl.paths import FloatArray
+from mitl.protocols import AveragedPoint
 
 _SCHEMA = 1
+STORED = "stored"
+"""Key of the provenance that tells when the calibration was stored, UTC."""
 _RESIDUALS = ("position_rms", "position_max", "rotation_rms", "rotation_max", "count")
 
 
-def save_calibration(path: Path, calibration: Calibration, provenance: Mapping[str, str] | None = None) -> None:
-    """Writes a calibration, all in m and rad; `provenance` is added to the calibration's own. Never leaves half a file."""
+def save_calibration(
+    path: Path, calibration: Calibration, provenance: Mapping[str, str] | None = None, reference: AveragedPoint | None = None
+) -> None:
+    """Writes a calibration, all in m and rad; `provenance` is added to the calibration's own. Never leaves half a file.
+
+    reference: what a device that stands still showed then, by which the frame is verified later. The time of writing is kept as `stored`.
+    """
     c = calibration
     lines = [
         "# Tracker calibration, written by mitl. Poses are x y z qw qx qy qz in m; angles in rad.",
@@ -45,8 +54,12 @@ def save_calibration(path: Path, calibration: Calibration, provenance: Mapping[s
     ]
     for name, residuals in (("training", c.training), ("held_out", c.held_out)):
         lines += ["", f"[{name}]", *(f"{key} = {getattr(residuals, key)!r}" for key in _RESIDUALS)]
+    if reference is not None:
+        pose = np.concatenate([reference.position, reference.quaternion_wxyz])
+        lines += ["", "[reference]", f"X_LR = {_row(pose)}", f"jitter = {reference.jitter!r}", f"count = {reference.count}"]
     lines += ["", "[provenance]"]
-    lines += [f"{_text(key)} = {_text(value)}" for key, value in {**c.provenance, **(provenance or {})}.items()]
+    stored = {STORED: datetime.now(UTC).isoformat(timespec="seconds")}
+    lines += [f"{_text(key)} = {_text(value)}" for key, value in {**stored, **c.provenance, **(provenance or {})}.items()]
     for rejection in c.rejected:
         lines += ["", "[[rejected]]", f"index = {rejection.index}", f"reason = {_text(rejection.reason)}"]
     beside = path.with_name(f".{path.name}.{os.getpid()}.part")
@@ -60,6 +73,20 @@ def save_calibration(path: Path, calibration: Calibration, provenance: Mapping[s
 
 def load_calibration(path: Path) -> Calibration:
     """Reads a calibration. Raises UsageError naming the file and the key where something is missing or wrong."""
+    return load_calibration_and_reference(path)[0]
+
+
+def age(calibration: Calibration, now: datetime) -> timedelta | None:
+    """Gives how old a stored calibration is at `now`; None where it does not tell when it was stored."""
+    try:
+        stored = datetime.fromisoformat(calibration.provenance.get(STORED, ""))
+        return now - stored
+    except (ValueError, TypeError):  # not a time, or one without a time zone
+        return None
+
+
+def load_calibration_and_reference(path: Path) -> tuple[Calibration, AveragedPoint | None]:
+    """Reads a calibration and what the reference device showed, if there was one. Raises UsageError as `load_calibration` does."""
     try:
         table = tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
@@ -74,7 +101,7 @@ def load_calibration(path: Path) -> Calibration:
         raise UsageError(f"{path}: key `distortion`: expected one of {', '.join(d.value for d in Distortion)}, got {name!r}")
     distortion = Distortion(name)
     size = 12 + distortion.unknowns
-    return Calibration(
+    calibration = Calibration(
         X_LB=reader.pose("X_LB"),
         X_FM=reader.pose("X_FM"),
         distortion=distortion,
@@ -93,6 +120,7 @@ def load_calibration(path: Path) -> Calibration:
         rejected=tuple(reader.rejections()),
         provenance={key: str(value) for key, value in reader.table("provenance").items()},
     )
+    return calibration, reader.reference() if "reference" in table else None
 
 
 def _row(values: FloatArray) -> str:
@@ -162,6 +190,11 @@ class _Reader:
         inner = _Reader(self._file, self.table(key), f"{key}.")
         position_rms, position_max, rotation_rms, rotation_max = (inner.number(name) for name in _RESIDUALS[:4])
         return Residuals(position_rms, position_max, rotation_rms, rotation_max, inner.integer("count"))
+
+    def reference(self) -> AveragedPoint:
+        inner = _Reader(self._file, self.table("reference"), "reference.")
+        pose = inner.pose("X_LR")
+        return AveragedPoint(0.0, pose[:3], pose[3:], inner.number("jitter"), inner.integer("count"))
 
     def rejections(self) -> list[Rejection]:
         entries = self._table.get("rejected", [])

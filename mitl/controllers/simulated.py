@@ -164,6 +164,11 @@ class SimulatedController:
         """Gives the value of an output signal; 0 before it was first set."""
         return 0.0 if self._run is None else self._run.value_of(name, self._now() - self._origin)
 
+    def output_changes(self, name: str, after: float, until: float) -> list[tuple[float, float]]:
+        """Gives the changes (time in s, value) of an output after a time and up to another, as the wire at its terminal carries them."""
+        changes = [] if self._run is None else self._run.signals.get(name, [])
+        return [(self._origin + at, value) for at, value in changes if after < self._origin + at <= until]
+
     def joints(self) -> FloatArray:
         """Gives the axis positions (6,) in rad, as the controller reports them."""
         return self._record.joints_at(self._now() - self._origin, View.CONTROLLER)

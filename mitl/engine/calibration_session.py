@@ -2,41 +2,61 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import hashlib
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from mitl.calibration.choice import choose_distortion
+from mitl.calibration.frame_check import change_of_device
 from mitl.calibration.pose_set import CalibrationPoses
 from mitl.calibration.result import Calibration
 from mitl.calibration.solve import calibrate
+from mitl.calibration.store import load_calibration_and_reference
 from mitl.engine.bench import order
 from mitl.errors import RigError
+from mitl.metrics.uncertainty import DRIFT_SD, DRIFT_TAU, drift_sigma
 from mitl.paths import FloatArray
-from mitl.protocols import Rig
+from mitl.protocols import AveragedPoint, Rig
 
 CASE_ID = "calibration"
 AVERAGE = 0.5
 """Seconds for which a still point is averaged (facts/atc.md)."""
 
 
+REFERENCE = "reference"
+"""Name of the device that stands still in view."""
+
+
 @dataclass(frozen=True, eq=False)
 class SessionCalibration:
-    """The calibration of this session, the poses that it was solved from, and when the last was measured, in s on the rig's clock."""
+    """The calibration of this session, the poses that it was solved from, and when the last was measured, in s on the rig's clock.
+
+    reference: what the device that stands still showed then, if there is one. A stored calibration has no poses and was measured before
+    the clock began, at minus infinity.
+    """
 
     calibration: Calibration
     poses: CalibrationPoses
     measured_at: float
+    reference: AveragedPoint | None = None
 
 
 def measure_poses(rig: Rig, program: Path, *, timeout: float = 60.0) -> CalibrationPoses:
-    """Gives the poses of the calibration program, as the controller and as the tracker see them.
+    """Gives all poses of the calibration program, as `drive_to_poses` does. The rig is told that a case of its own begins."""
+    rig.begin_case(CASE_ID)
+    return drive_to_poses(rig, program, timeout=timeout)
+
+
+def drive_to_poses(rig: Rig, program: Path, numbers: Sequence[int] | None = None, *, timeout: float = 60.0) -> CalibrationPoses:
+    """Gives poses of the calibration program (from 1; None for all), as the controller and as the tracker see them.
 
     The program loops around TEST option; option 1 moves to the pose whose number is subOption; its variable poseCount says how many there
-    are. The rig is told that a case of its own begins. The robot is stopped on every way out. Raises RigError.
+    are. The robot is stopped on every way out. Raises RigError.
     """
-    rig.begin_case(CASE_ID)
     controller, tracker = rig.controller, rig.tracker
     flange: list[FloatArray] = []
     tracked: list[FloatArray] = []
@@ -46,7 +66,8 @@ def measure_poses(rig: Rig, program: Path, *, timeout: float = 60.0) -> Calibrat
         controller.load([program])
         controller.start()
         tracker.start()
-        for pose in range(1, _pose_count(controller.read("poseCount"), program) + 1):
+        count = _pose_count(controller.read("poseCount"), program)
+        for pose in range(1, count + 1) if numbers is None else [number for number in numbers if number <= count]:
             order(rig, 1, pose, variables={}, timeout=timeout)
             point = tracker.average(AVERAGE)
             flange.append(controller.flange())
@@ -59,11 +80,41 @@ def measure_poses(rig: Rig, program: Path, *, timeout: float = 60.0) -> Calibrat
 
 
 def calibrate_rig(rig: Rig, program: Path) -> SessionCalibration:
-    """Gives the calibration of a rig from the poses of the calibration program. Raises RigError or CalibrationError."""
-    poses = measure_poses(rig, program)
-    provenance = {"rig": rig.name, "seed": str(rig.seed), "program": program.name}
+    """Gives the calibration of a rig: the stored one that it names, or one from the poses of the calibration program.
+
+    Raises RigError, also where the reference device shows that the tracker's frame moved meanwhile, or CalibrationError.
+    """
+    if rig.calibration is not None:
+        return _stored(rig.calibration)
+    rig.begin_case(CASE_ID)
+    device = rig.devices.get(REFERENCE)
+    began = rig.clock.now()
+    before = device.average(AVERAGE) if device is not None else None
+    poses = drive_to_poses(rig, program)
     measured_at = rig.clock.now()
-    return SessionCalibration(calibrate(poses, distortion=choose_distortion(poses), provenance=provenance), poses, measured_at)
+    reference = device.average(AVERAGE) if device is not None else None
+    if before is not None and reference is not None:
+        elapsed = measured_at - began
+        change = change_of_device(before, reference, drift=drift_sigma(DRIFT_SD, DRIFT_TAU, elapsed), elapsed=elapsed)
+        if change.moved:
+            raise RigError(f"the tracker's frame moved while it was calibrated, calibrate again: {change.told()}")
+    provenance = {
+        "rig": rig.name,
+        "robot": rig.robot,
+        "seed": str(rig.seed),
+        "program": program.name,
+        "program sha256": hashlib.sha256(program.read_bytes()).hexdigest(),
+        **rig.versions,
+    }
+    solved = calibrate(poses, distortion=choose_distortion(poses), provenance=provenance)
+    return SessionCalibration(solved, poses, measured_at, reference)
+
+
+def _stored(file: Path) -> SessionCalibration:
+    calibration, reference = load_calibration_and_reference(file)
+    provenance = {**calibration.provenance, "stored in": str(file)}
+    none = np.empty((0, 7))
+    return SessionCalibration(replace(calibration, provenance=provenance), CalibrationPoses(none, none, np.empty(0)), -math.inf, reference)
 
 
 def _pose_count(literal: str, program: Path) -> int:

@@ -6,7 +6,7 @@ import hashlib
 import re
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from mitl.engine.case import CaseInfo
 from mitl.engine.case_recording import RecordedRun, fresh, recording_of, slug
@@ -23,6 +23,7 @@ class CaseRecorder:
     """Collects checks, messages, paths and series of one case.
 
     stop_robot and now are replaced by the fixture `rig`; a case without a rig has nothing to stop and runs on the computer's clock.
+    voided: nothing that was measured counts. closing: what is done when the case has measured all, before its verdict.
     round: which run of the case this is, from 1; made: the checks made in it. most_looks: how many runs an inconclusive case may have.
     """
 
@@ -37,6 +38,7 @@ class CaseRecorder:
     events: list[LogMessage] = field(default_factory=list)
     log: list[str] = field(default_factory=list)
     broken: bool = False
+    voided: bool = False
     skipped: bool = False
     fatal: bool = False
     recording: str | None = None
@@ -48,6 +50,7 @@ class CaseRecorder:
     most_looks: int = 1
     round: int = 1
     made: set[str] = field(default_factory=set)
+    closing: list[Callable[[], None]] = field(default_factory=list)
     _asked: dict[str, tuple[Question, list[Look]]] = field(default_factory=dict)
     _subtest_broken: bool = False
 
@@ -116,8 +119,20 @@ class CaseRecorder:
         self.broken = True
         self.say("error", text)
 
+    def void(self, text: str) -> None:
+        """Records that nothing that the case measured counts, and why: it is ERROR whatever its checks say."""
+        self.voided = True
+        self.error(text)
+
+    def end_measuring(self) -> None:
+        """Does what is left to do before the verdict, once."""
+        while self.closing:
+            self.closing.pop(0)()
+
     def outcome(self) -> Outcome:
         """Gives the outcome so far: the worst of the checks that count; a case that judged nothing is ERROR."""
+        if self.voided:
+            return Outcome.ERROR
         found = [check.outcome for check in self.checks if counts(check)]
         if self.broken or not (self.checks or self.skipped):
             found.append(Outcome.ERROR)
@@ -178,7 +193,7 @@ class CaseRecorder:
             title=info.title,
             outcome=self.outcome(),
             duration_s=round((self.ended or 0.0) - (self.began or 0.0), 6),
-            checks=tuple(self.checks),
+            checks=tuple(replace(check, outcome=Outcome.ERROR) if self.voided else check for check in self.checks),
             messages=messages,
             recording=self.recording,
             purpose=info.purpose,
@@ -188,7 +203,7 @@ class CaseRecorder:
             program=info.program.name if info.program else None,
             source=_text(info) if info.program else None,
             log=log,
-            subtests=tuple(self.subtests),
+            subtests=tuple(replace(part, outcome=Outcome.ERROR) if self.voided else part for part in self.subtests),
         )
 
 

@@ -104,7 +104,7 @@ class RunKeeper:
         if self.folder is None:
             return
         self.open_folder()
-        save_calibration(self.folder / "calibration.toml", found.calibration)
+        save_calibration(self.folder / "calibration.toml", found.calibration, reference=found.reference)
         case_recording.write(self.folder / "calibration.mcap", Recording(calibration_tracks(found.poses), metadata=self.provenance()))
 
     def finish(self, recorder: CaseRecorder, captured: str) -> CaseRecord:

@@ -83,6 +83,10 @@ def position_budget(
     )
 
 
+DRIFT_SD, DRIFT_TAU = 0.84e-3, 1200.0
+"""The tracker's drift on its worst axis, m, and its correlation time, s (facts/tracker.md, preset thesis, after the thesis's table 4.3)."""
+
+
 def drift_sigma(sd: float, tau: float, elapsed: float) -> float:
     """Gives what a drift adds in the time since calibration: standard deviation of its change, in the unit of `sd`.
 

@@ -3,31 +3,71 @@
 [rig]
 kind = "simulation"     # the only kind so far
 robot = "irb140"        # a folder in models/
-tracker = "thesis"      # a preset in models/trackers/
+tracker = "thesis"      # a preset in models/trackers/, or a preset file (.toml) beside the rig file
 fidelity = "kinematic"  # the executed trajectory is played back; "dynamic": servo, gravity, tracker on a compliant mount
+calibration = "c.toml"  # a stored calibration beside the rig file, verified at the start of every case; without it every run calibrates
+
+[buttons]               # outputs of the controller that are wired to buttons (0 to 14) of the tracker on the flange
+doTrigger = 0
+
+[devices.reference]     # further tracked devices, by name; "reference" stands still and tells whether the tracker's frame stays
+tracker = "thesis"      # preset; the rig's own without it
+position = [0.8, -0.6, 0.4]   # m, in the world
+velocity = [0.1, 0.0, 0.0]    # m/s from the beginning of every case on, e.g. of a belt; at rest without it
+
+A [devices] section replaces the built-in reference; an empty one leaves the rig without.
 """
 
 from __future__ import annotations
 
 import difflib
 import tomllib
-from dataclasses import dataclass, fields
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from mitl.errors import UsageError
 
-_CHOICES = {"kind": ("simulation",), "fidelity": ("kinematic", "dynamic")}
+Triple = tuple[float, float, float]
+REFERENCE = "reference"
+"""Name of the device that stands still in view."""
+_TEXTS: dict[str, tuple[str, ...] | None] = {
+    "kind": ("simulation",),
+    "robot": None,
+    "tracker": None,
+    "fidelity": ("kinematic", "dynamic"),
+    "calibration": None,
+}
+_SECTIONS = ("rig", "buttons", "devices")
+_MOST_BUTTONS = 15
+
+
+@dataclass(frozen=True)
+class DeviceConfig:
+    """Another tracked device. tracker: preset, or "" for the rig's own. position: m, velocity: m/s, both in the world."""
+
+    tracker: str = ""
+    position: Triple = (0.8, -0.6, 0.4)
+    velocity: Triple = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
 class RigConfig:
-    """What a rig file says. name: as results call the rig."""
+    """What a rig file says. name: as results call the rig. calibration: a file, or "" for a calibration of every run's own.
+
+    buttons: output of the controller -> button of the tracker. devices: by name. folder: what paths are relative to.
+    """
 
     name: str = "sim"
     kind: str = "simulation"
     robot: str = "irb140"
     tracker: str = "thesis"
     fidelity: str = "kinematic"
+    calibration: str = ""
+    buttons: Mapping[str, int] = field(default_factory=lambda: {"doTrigger": 0})
+    devices: Mapping[str, DeviceConfig] = field(default_factory=lambda: {REFERENCE: DeviceConfig()})
+    folder: Path = Path()
 
 
 def read_rig(name_or_file: str) -> RigConfig:
@@ -44,22 +84,65 @@ def read_rig(name_or_file: str) -> RigConfig:
     except OSError as error:
         raise UsageError(f"{file}: cannot be read: {error.strerror or error}") from error
     for section in table:
-        if section != "rig":
-            raise UsageError(f"{file}: unknown section or key {section!r}, expected only [rig]")
-    wanted = table.get("rig")
-    if not isinstance(wanted, dict):
+        _known(file, section, _SECTIONS, "unknown section or key")
+    if not isinstance(table.get("rig"), dict):
         raise UsageError(f"{file}: expected a section [rig]")
-    values: dict[str, str] = {"name": file.stem}
-    known = [field.name for field in fields(RigConfig)]
-    for key, value in wanted.items():
-        if key not in known:
-            near = difflib.get_close_matches(key, known, n=1)
-            raise UsageError(
-                f"{file}: [rig] unknown key {key!r}{f'; did you mean {near[0]}?' if near else f', known are {chr(44).join(known)}'}"
-            )
+    values: dict[str, Any] = {"name": file.stem, "folder": file.parent, **_texts(file, table["rig"])}
+    if "buttons" in table:
+        values["buttons"] = _buttons(file, _section(file, table, "buttons"))
+    if "devices" in table:
+        values["devices"] = {
+            name: _device(file, f"devices.{name}", _section(file, table["devices"], name, "devices."))
+            for name in _section(file, table, "devices")
+        }
+    return RigConfig(**values)
+
+
+def _known(file: Path, key: str, known: tuple[str, ...], what: str) -> None:
+    if key not in known:
+        near = difflib.get_close_matches(key, known, n=1)
+        raise UsageError(f"{file}: {what} {key!r}" + (f"; did you mean {near[0]}?" if near else f", known are {', '.join(known)}"))
+
+
+def _section(file: Path, table: Mapping[str, Any], key: str, prefix: str = "") -> Mapping[str, Any]:
+    if not isinstance(table[key], dict):
+        raise UsageError(f"{file}: {prefix}{key} must be a section [{prefix}{key}], is {table[key]!r}")
+    section: Mapping[str, Any] = table[key]
+    return section
+
+
+def _texts(file: Path, table: Mapping[str, Any]) -> dict[str, str]:
+    for key, value in table.items():
+        _known(file, key, tuple(_TEXTS), "[rig] unknown key")
         if not isinstance(value, str):
             raise UsageError(f"{file}: [rig] {key} must be a string, is {value!r}")
-        if key in _CHOICES and value not in _CHOICES[key]:
-            raise UsageError(f"{file}: [rig] {key} = {value!r}: expected {' or '.join(_CHOICES[key])}")
-        values[key] = value
-    return RigConfig(**values)
+        allowed = _TEXTS[key]
+        if allowed and value not in allowed:
+            raise UsageError(f"{file}: [rig] {key} = {value!r}: expected {' or '.join(allowed)}")
+    return dict(table)
+
+
+def _buttons(file: Path, table: Mapping[str, Any]) -> dict[str, int]:
+    for signal, button in table.items():
+        if isinstance(button, bool) or not isinstance(button, int) or not 0 <= button < _MOST_BUTTONS:
+            raise UsageError(f"{file}: [buttons] {signal} must be a button's number, 0 to {_MOST_BUTTONS - 1}, is {button!r}")
+    if len(set(table.values())) < len(table):
+        raise UsageError(f"{file}: [buttons] two outputs drive one button; expected a button for each")
+    return dict(table)
+
+
+def _device(file: Path, section: str, table: Mapping[str, Any]) -> DeviceConfig:
+    values: dict[str, Any] = {}
+    for key, value in table.items():
+        _known(file, key, ("tracker", "position", "velocity"), f"[{section}] unknown key")
+        if key == "tracker":
+            if not isinstance(value, str):
+                raise UsageError(f"{file}: [{section}] tracker must be a string, is {value!r}")
+            values[key] = value
+            continue
+        if not isinstance(value, list) or len(value) != 3 or any(isinstance(v, bool) or not isinstance(v, int | float) for v in value):
+            raise UsageError(f"{file}: [{section}] {key} must be three numbers, is {value!r}")
+        values[key] = tuple(float(v) for v in value)
+    if section == f"devices.{REFERENCE}" and any(values.get("velocity", ())):
+        raise UsageError(f"{file}: [{section}] must not have a velocity: the reference stands still")
+    return DeviceConfig(**values)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import platform
 import zlib
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 from importlib.metadata import version
 
 import numpy as np
@@ -20,13 +21,14 @@ from mitl.motion.robot_model import RobotModel, load_robot_model
 from mitl.paths import FloatArray
 from mitl.poses import pose_of
 from mitl.protocols import Rig
-from mitl.rig.config import read_rig
+from mitl.rig.config import DeviceConfig, RigConfig, read_rig
 from mitl.simulation.arm import kinematic_arm
 from mitl.simulation.dynamic_arm import dynamic_arm
 from mitl.simulation.process import JointSource
+from mitl.simulation.tracker_button import ButtonInput, WiredButton
 from mitl.simulation.tracker_model import Session, TrackerModel
-from mitl.simulation.tracker_parameters import load_preset
-from mitl.simulation.world import World
+from mitl.simulation.tracker_parameters import TrackerParameters, load_preset, load_tracker_parameters
+from mitl.simulation.world import HAND, Device, World
 from mitl.trackers.simulated import SimulatedTracker, TrackerClock
 
 _CASES_BEGIN = 300.0
@@ -42,34 +44,84 @@ def load_rig(name_or_file: str, seed: int, faults: Sequence[str]) -> Rig:
     config = read_rig(name_or_file)
     broken = [parse_fault(text) for text in faults]
     model = load_robot_model(config.robot)
-    parameters = load_preset(config.tracker)
+    presets = {HAND: _preset(config, config.tracker), **{name: _device_preset(config, name) for name in config.devices}}
     controller = SimulatedController(model, broken)
     X_WL, X_FM = _placement(seed)
-    arm = dynamic_arm(X_FM) if config.fidelity == "dynamic" else kinematic_arm
-    world = World(model.urdf, _UrdfJoints(model, controller), TrackerModel(parameters, seed), X_WL=X_WL, X_FM=X_FM, arm=arm)
+    origin = [0.0]  # when the case began
+    models = _tracker_models(presets, seed, Session(seed, 0.0))
+    world = World(
+        model.urdf,
+        _UrdfJoints(model, controller),
+        models[HAND],
+        X_WL=X_WL,
+        X_FM=X_FM,
+        arm=dynamic_arm(X_FM) if config.fidelity == "dynamic" else kinematic_arm,
+        devices=[Device(name, models[name], _way(device, lambda: origin[0])) for name, device in config.devices.items()],
+    )
     controller.connect(world)
     world.add(controller)
-    tracker = SimulatedTracker(world, TrackerClock.drawn(parameters, seed))
+    clock = TrackerClock.drawn(presets[HAND], seed)  # one computer reads all devices
+    trackers = {name: SimulatedTracker(world, clock, device=name) for name in presets}
+    _wire(config, trackers[HAND], controller, presets[HAND], seed)
 
     def begin_case(case_id: str) -> None:
         """Starts the simulation over with noise of its own for this case, so that its numbers do not depend on which cases ran before."""
         begins = 0.0 if case_id == CALIBRATION else _CASES_BEGIN
         world.restart(begins)
+        origin[0] = begins
         controller.reset()
         own = int(np.random.SeedSequence([seed, zlib.crc32(case_id.encode())]).generate_state(1)[0])
-        tracker.reseed(parameters, own, Session(seed, begins))
+        for name, fresh in _tracker_models(presets, own, Session(seed, begins)).items():
+            trackers[name].begin(fresh)
+        _wire(config, trackers[HAND], controller, presets[HAND], own)
 
     return Rig(
         name=config.name,
         robot=model.name,
         seed=seed,
         controller=controller,
-        tracker=tracker,
+        tracker=trackers[HAND],
         clock=world,
         oracles=PlannedOracles(model),
         begin_case=begin_case,
         versions={"mitl": __version__, "python": platform.python_version(), **{name: version(name) for name in _PACKAGES}},
+        devices={name: tracker for name, tracker in trackers.items() if name != HAND},
+        calibration=config.folder / config.calibration if config.calibration else None,
     )
+
+
+def _preset(config: RigConfig, name: str) -> TrackerParameters:
+    """Gives a preset by its name, or from a file beside the rig file."""
+    return load_tracker_parameters(config.folder / name) if name.endswith(".toml") else load_preset(name)
+
+
+def _device_preset(config: RigConfig, name: str) -> TrackerParameters:
+    """Gives the preset of a further device. ASSUMPTION A-185: it is a puck on a stand or a belt, which neither sleeps nor creeps."""
+    found = _preset(config, config.devices[name].tracker or config.tracker)
+    return replace(found, sleep=replace(found.sleep, after_s=0.0), creep=replace(found.creep, rate_m_s=0.0))
+
+
+def _tracker_models(presets: Mapping[str, TrackerParameters], seed: int, session: Session) -> dict[str, TrackerModel]:
+    """Gives sensor models with the seed's noise for all devices; the first, the hand's, leads the frame of all."""
+    (hand, first), *others = presets.items()
+    leader = TrackerModel(first, seed, session)
+    followers = {
+        name: TrackerModel(preset, seed, session, device=number, leader=leader) for number, (name, preset) in enumerate(others, start=1)
+    }
+    return {hand: leader, **followers}
+
+
+def _way(device: DeviceConfig, begun: Callable[[], float]) -> Callable[[float], FloatArray] | FloatArray:
+    """Gives where a further device is: X_WM (7,), or a function of the time in s that counts its way from `begun()` on."""
+    place, velocity = (np.array([*vector, 1.0, 0.0, 0.0, 0.0]) for vector in (device.position, device.velocity))
+    velocity[3] = 0.0
+    return place if not np.any(velocity) else lambda time: place + velocity * (time - begun())
+
+
+def _wire(config: RigConfig, tracker: SimulatedTracker, controller: SimulatedController, preset: TrackerParameters, seed: int) -> None:
+    """Wires the controller's outputs to the tracker's buttons, with delays from the seed."""
+    for signal, button in config.buttons.items():
+        tracker.wire(button, WiredButton(partial(controller.output_changes, signal), ButtonInput(preset.button, seed, button)))
 
 
 @dataclass(frozen=True)

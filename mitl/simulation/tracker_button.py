@@ -6,6 +6,9 @@ the changes, however samples are asked for.
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable, Sequence
+
 import numpy as np
 
 from mitl.paths import FloatArray
@@ -44,3 +47,24 @@ class ButtonInput:
             self._state = known[-1][1]
             self._pending = self._pending[len(known) :]
         return levels[passed]
+
+
+Changes = Callable[[float, float], Sequence[tuple[float, float]]]
+"""Gives the changes (time in s, value) of an output of the robot after a time and up to another."""
+
+
+class WiredButton:
+    """A button whose line an output of the robot drives; it asks for the output's changes when samples are made."""
+
+    def __init__(self, changes: Changes, line: ButtonInput) -> None:
+        self._changes = changes
+        self._line = line
+        self._known = -math.inf
+
+    def states(self, times: FloatArray) -> CodeArray:
+        """Gives 1 where pressed, else 0, at the next sample times (N,) in s."""
+        if len(times):
+            for at, value in self._changes(self._known, float(times[-1])):
+                self._line.change(at, value != 0.0)
+            self._known = float(times[-1])
+        return self._line.states(times)

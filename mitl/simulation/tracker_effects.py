@@ -7,6 +7,7 @@ draws a fixed number of variates an event, in the order of the events, and carri
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -141,32 +142,41 @@ class Losses:
 
 
 class FrameJumps:
-    """The tracker's frame may move when tracking is found again, and stays moved: X_L'M = X_L'L X_LM, with L' the new frame."""
+    """The tracker's frame may move when tracking is found again, and stays moved: X_L'M = X_L'L X_LM, with L' the new frame.
+
+    `followed` gives the same frame to another device of the session, which is sampled after this one. ASSUMPTION A-184: only this device's
+    re-acquisitions move the frame.
+    """
 
     def __init__(self, chances: np.random.Generator, jumps: np.random.Generator, frame_jump: FrameJump) -> None:
         self._chances = chances
         self._jumps = jumps
         self._parameters = frame_jump
-        self._jumped = False
         self._rotation = Rotation.identity()
         self._translation: FloatArray = np.zeros(3)
+        self._history: list[tuple[float, Rotation, FloatArray]] = []
 
-    def apply(self, position: FloatArray, quaternion_wxyz: FloatArray, found: BoolArray) -> tuple[FloatArray, FloatArray]:
-        """Gives position (N, 3) and quaternion (N, 4) in the frame as it is at each sample; found (N,): tracking comes back here."""
-        begins = [0]
+    def apply(
+        self, times: FloatArray, position: FloatArray, quaternion_wxyz: FloatArray, found: BoolArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Gives position (N, 3) and quaternion (N, 4) in the frame as it is at times (N,); found (N,): tracking comes back here."""
         for index in np.flatnonzero(found):
             if self._chances.random() < self._parameters.probability_per_reacquisition:
-                begins.append(int(index))
-        if len(begins) == 1 and not self._jumped:
+                self._jump(position[index])
+                self._history.append((float(times[index]), self._rotation, self._translation))
+        return self.followed(times, position, quaternion_wxyz)
+
+    def followed(self, times: FloatArray, position: FloatArray, quaternion_wxyz: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Gives poses of any device of the session in the frame as it is at times (N,)."""
+        if not self._history or times[-1] < self._history[0][0]:
             return position, quaternion_wxyz
-        ends = [*begins[1:], len(position)]
-        positions, quaternions = [], []
-        for part, (begin, end) in enumerate(zip(begins, ends, strict=True)):
-            if part > 0:
-                self._jump(position[begin])
-            positions.append(times_matrix(self._rotation.as_matrix(), position[begin:end]) + self._translation)
-            quaternions.append(product(self._rotation.as_quat(scalar_first=True)[np.newaxis], quaternion_wxyz[begin:end]))
-        return np.concatenate(positions), np.concatenate(quaternions)
+        position, quaternion_wxyz = position.copy(), quaternion_wxyz.copy()
+        begins = [*np.searchsorted(times, [time for time, _, _ in self._history]).tolist(), len(times)]
+        for (_, rotation, translation), (begin, end) in zip(self._history, pairwise(begins), strict=True):
+            part = slice(begin, end)
+            position[part] = times_matrix(rotation.as_matrix(), position[part]) + translation
+            quaternion_wxyz[part] = product(rotation.as_quat(scalar_first=True)[np.newaxis], quaternion_wxyz[part])
+        return position, quaternion_wxyz
 
     def _jump(self, position: FloatArray) -> None:
         """Moves the frame so that it turns about the body at `position` (3,): what is seen jumps by the translation drawn."""
@@ -177,4 +187,3 @@ class FrameJumps:
         shift = drawn[:3] * np.asarray(self._parameters.translation_sd_m)
         self._rotation = turn * self._rotation
         self._translation = shown + shift - self._rotation.apply(position)
-        self._jumped = True

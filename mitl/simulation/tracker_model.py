@@ -83,10 +83,19 @@ class TrackerModel:
 
     One object is one stretch of one device's session: it remembers the last true pose, its noise, its frame. Without a `session` of its
     own it begins one. device: number of the device; devices of one seed and session share room and drift and have noise of their own.
+    leader: the device whose re-acquisitions move the frame of all; the others are sampled after it.
     Source: facts/tracker.md, fitted model.
     """
 
-    def __init__(self, parameters: TrackerParameters, seed: int, session: Session | None = None, *, device: int = 0) -> None:
+    def __init__(
+        self,
+        parameters: TrackerParameters,
+        seed: int,
+        session: Session | None = None,
+        *,
+        device: int = 0,
+        leader: TrackerModel | None = None,
+    ) -> None:
         session = session or Session(seed, 0.0)
 
         def draw(purpose: _Draw) -> np.random.Generator:
@@ -126,6 +135,7 @@ class TrackerModel:
         # ASSUMPTION A-75: what a shock does to positions is correlated over 20 ms.
         self._shock_error = OrnsteinUhlenbeck(draw(_Draw.SHOCK), parameters.shock.position_sd_m, 0.02, period)
         self._frame = FrameJumps(draw(_Draw.JUMP_CHANCE), draw(_Draw.JUMP), parameters.frame_jump)
+        self._leader = leader
         self._held = Held()
         self._distortion = _distortion_matrix(parameters.distortion)
         self._axis_factors = np.asarray(noise.axis_factors)
@@ -216,7 +226,10 @@ class TrackerModel:
             found = found | woken
             held = asleep if held is None else held | asleep
             velocity[asleep] = 0.0
-        position, quaternion = self._frame.apply(position, quaternion, found)
+        if self._leader is None:
+            position, quaternion = self._frame.apply(times, position, quaternion, found)
+        else:
+            position, quaternion = self._leader._frame.followed(times, position, quaternion)  # another device of our own kind
         position, quaternion = self._held.apply(position, quaternion, held)
         if np.any(lost):
             position[lost], quaternion[lost], velocity[lost] = 0.0, [1.0, 0.0, 0.0, 0.0], 0.0

@@ -20,6 +20,7 @@ from mitl.paths import FloatArray
 from mitl.poses import IDENTITY
 from mitl.simulation.arm import ArmFactory, PoseSource, SettlingArm, kinematic_arm
 from mitl.simulation.process import JointSource, Process
+from mitl.simulation.standing_device import StandingDevice
 from mitl.simulation.tracker_model import SensorModel
 from mitl.simulation.tracker_system import Receiver, TrackerSystem
 
@@ -33,12 +34,13 @@ _LEAD = 1.0  # s that are simulated at the end of a skipped wait
 class Device:
     """Another tracked device, e.g. one on a conveyor belt or one that stands still for reference.
 
-    name: "belt", "reference" ... model: of the same sampling rate as the hand's. pose: gives X_WM (7,) at a time in s.
+    name: "belt", "reference" ... model: of the same sampling rate as the hand's. pose: X_WM (7,) of a device that stands still, or a
+    function that gives it at a time in s.
     """
 
     name: str
     model: SensorModel
-    pose: Callable[[float], FloatArray]
+    pose: Callable[[float], FloatArray] | FloatArray
 
 
 class World:
@@ -65,13 +67,17 @@ class World:
         builder = DiagramBuilder()
         arm_system = self._arm = builder.AddSystem(arm(urdf, joint_source, X_WB))
         self._trackers = {HAND: TrackerSystem(model, X_WL=X_WL, X_FM=X_FM)}
+        self._standing: dict[str, StandingDevice] = {}
         builder.AddSystem(self._trackers[HAND])
         builder.Connect(arm_system.GetOutputPort("X_WF"), self._trackers[HAND].GetInputPort("X_WF"))
         for device in devices:
-            if device.name in self._trackers:
+            if device.name in self.devices:
                 raise ValueError(f"expected every device once, got {device.name} twice")
             if device.model.period != model.period:
                 raise ValueError(f"{device.name} samples every {device.model.period} s, the hand every {model.period} s")
+            if not callable(device.pose):
+                self._standing[device.name] = StandingDevice(device.model, X_WL=X_WL, X_WM=device.pose)
+                continue
             tracker = self._trackers[device.name] = TrackerSystem(device.model, X_WL=X_WL, X_FM=IDENTITY, name=device.name)
             source = builder.AddSystem(PoseSource(device.pose))
             builder.AddSystem(tracker)
@@ -116,25 +122,31 @@ class World:
         """Sets the time to `time` s, also backwards; whoever takes part starts over as well. Samples not yet handed over are dropped."""
         for tracker in self._trackers.values():
             tracker.drop()
+        for device in self._standing.values():
+            device.restart(time)
         self._simulator.get_mutable_context().SetTime(time)
         self._initialized = False
 
     @property
     def devices(self) -> tuple[str, ...]:
         """The names of the tracked devices, the hand first."""
-        return tuple(self._trackers)
+        return (*self._trackers, *self._standing)
 
     def subscribe(self, receiver: Receiver, device: str = HAND) -> None:
         """Has every chunk of a device's samples handed to `receiver`, in order, on this world's clock, as `wait` ends at the latest."""
-        self._trackers[device].subscribe(receiver)
+        (self._trackers.get(device) or self._standing[device]).subscribe(receiver)
 
     def use_tracker_model(self, model: SensorModel, device: str = HAND) -> None:
         """Goes on with another sensor model of the same sampling rate, e.g. the same with another seed."""
-        self._trackers[device].use(model)
+        if model.period != self._trackers[HAND].period:
+            raise ValueError(f"{device} samples every {self._trackers[HAND].period} s, the new model every {model.period} s")
+        (self._trackers.get(device) or self._standing[device]).use(model)
 
     def _flush(self) -> None:
         for tracker in self._trackers.values():
             tracker.flush()
+        for device in self._standing.values():  # after the hand, whose frame they share
+            device.flush(self.now())
 
     def _skip_towards(self, target: float) -> None:
         """Lets all but the last second up to `target` pass at once, if it is long, nothing moves and nobody needs it."""
@@ -149,6 +161,8 @@ class World:
         periods = math.floor((target - _LEAD - now) / period)  # whole ones, so that samples stay on their grid
         for tracker in self._trackers.values():
             tracker.skip(periods * period)
+        for device in self._standing.values():
+            device.skip(now, periods * period)
         self._simulator.get_mutable_context().SetTime(now + periods * period)
         self._initialized = False
 

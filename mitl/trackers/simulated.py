@@ -15,8 +15,8 @@ from mitl.errors import RigError
 from mitl.paths import FloatArray, PosePath
 from mitl.protocols import AveragedPoint
 from mitl.samples import CodeArray, TrackerSamples
-from mitl.simulation.tracker_button import ButtonInput
-from mitl.simulation.tracker_model import Session, TrackerModel
+from mitl.simulation.tracker_button import ButtonInput, WiredButton
+from mitl.simulation.tracker_model import TrackerModel
 from mitl.simulation.tracker_parameters import TrackerParameters
 from mitl.simulation.world import HAND, World
 
@@ -51,7 +51,7 @@ class SimulatedTracker:
         self._world = world
         self._clock = clock
         self._device = device
-        self._buttons: dict[int, ButtonInput] = {}
+        self._buttons: dict[int, ButtonInput | WiredButton] = {}
         self._recording = False
         self._recorded: list[TrackerSamples] | None = None
         self._averaging: list[PosePath] | None = None
@@ -81,8 +81,8 @@ class SimulatedTracker:
         self._recorded = [TrackerSamples.joined(self._recorded)]
         return self._recorded[0]
 
-    def wire(self, button: int, line: ButtonInput) -> None:
-        """Wires a button (0 to 14): whoever drives the line calls its `change` before the world passes that time."""
+    def wire(self, button: int, line: ButtonInput | WiredButton) -> None:
+        """Wires a button (0 to 14). Whoever drives a ButtonInput calls its `change` before the world passes that time."""
         self._buttons[button] = line
 
     def latest(self) -> PosePath:
@@ -115,13 +115,9 @@ class SimulatedTracker:
             count=len(valid),
         )
 
-    def reseed(self, parameters: TrackerParameters, seed: int, session: Session | None = None) -> None:
-        """Goes on with new noise from the seed and nothing recorded, in a session of the device or, without one, in a new one.
-
-        The clock is the session's.
-        """
-        self._world.use_tracker_model(TrackerModel(parameters, seed, session), self._device)
-        self._clock = TrackerClock.drawn(parameters, seed if session is None else session.seed)
+    def begin(self, model: TrackerModel) -> None:
+        """Goes on with another sensor model, with nothing recorded; the clock stays."""
+        self._world.use_tracker_model(model, self._device)
         self._recording = False
         self._recorded = None
         self._latest = None

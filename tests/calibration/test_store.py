@@ -1,10 +1,14 @@
 import dataclasses
+from dataclasses import replace
+from datetime import UTC, datetime, timedelta
 
 import numpy as np
 import pytest
 
 from mitl.calibration import Distortion, calibrate, load_calibration, save_calibration
+from mitl.calibration.store import age, load_calibration_and_reference
 from mitl.errors import UsageError
+from mitl.protocols import AveragedPoint
 
 
 @pytest.fixture(scope="module", params=list(Distortion))
@@ -21,7 +25,9 @@ def test_a_calibration_survives_its_file_bit_for_bit(calibration, tmp_path):
     file = tmp_path / "calibration.toml"
     save_calibration(file, calibration, {"date": "2026-01-01"})
     loaded = load_calibration(file)
-    assert loaded.provenance == {**calibration.provenance, "date": "2026-01-01"}
+    stored = loaded.provenance["stored"]
+    assert loaded.provenance == {"stored": stored, **calibration.provenance, "date": "2026-01-01"}
+    assert timedelta(0) <= age(loaded, datetime.now(UTC)) < timedelta(minutes=5)
     for field in dataclasses.fields(calibration):
         before, after = getattr(calibration, field.name), getattr(loaded, field.name)
         if isinstance(before, np.ndarray):
@@ -78,3 +84,20 @@ def test_a_missing_file_and_an_impossible_place_are_usage_errors(experiments, tm
     poses = experiments.measured(rng, experiments.scene(rng), experiments.flange_poses(rng, 20))
     with pytest.raises(UsageError, match="cannot be written"):
         save_calibration(tmp_path / "no" / "folder.toml", calibrate(poses))
+
+
+def test_what_the_reference_showed_is_kept_with_the_calibration(calibration, tmp_path):
+    file = tmp_path / "calibration.toml"
+    point = AveragedPoint(5.0, np.array([0.1, 0.2, 0.3]), np.array([0.5, 0.5, 0.5, 0.5]), 1e-3, 125)
+    save_calibration(file, calibration, reference=point)
+    _, reference = load_calibration_and_reference(file)
+    np.testing.assert_array_equal(reference.position, point.position)
+    np.testing.assert_array_equal(reference.quaternion_wxyz, point.quaternion_wxyz)
+    assert (reference.jitter, reference.count) == (1e-3, 125)
+    save_calibration(file, calibration)
+    assert load_calibration_and_reference(file)[1] is None
+
+
+def test_a_file_that_does_not_tell_when_it_was_stored_has_no_age(calibration):
+    assert age(replace(calibration, provenance={}), datetime.now(UTC)) is None
+    assert age(replace(calibration, provenance={"stored": "yesterday"}), datetime.now(UTC)) is None

@@ -21,6 +21,8 @@ X_FT = np.array([0.0, 0.0, 0.1, 1.0, 0.0, 0.0, 0.0])
 X_LB = RigidTransform.from_components([1.0, 0.5, -0.8], Rotation.from_euler("xyz", [90, 10, 30], degrees=True))
 X_FM = RigidTransform.from_components([0.02, -0.03, 0.05], Rotation.from_euler("xyz", [5, 20, 100], degrees=True))
 SCALE, RATE = 1.0055, 250.0
+JUMP = np.array([0.004, -0.012, 0.005])
+"""How far the tracker's frame jumps, m."""
 HOME = np.array([0.0, 0.0, 0.2, 0.0, 1.0, 0.0, 0.0])
 """X_OT where the robot stands in the beginning: .2 m above the work object, tool down."""
 
@@ -146,6 +148,7 @@ class WhiteTracker:
     robot: LineRobot
     noise: float
     lost: bool = False
+    jumps_at: float = np.inf
     generator: np.random.Generator = field(default_factory=lambda: np.random.default_rng(0))
     began: float | None = None
 
@@ -176,10 +179,24 @@ class WhiteTracker:
 
     def _between(self, begins, ends):
         time = np.arange(np.ceil(begins * RATE), np.floor(ends * RATE)) / RATE
-        X_LM = X_LB * transform_of(X_BO) * self.robot.truth(time) * transform_of(X_FT).inv() * X_FM
-        position = SCALE * X_LM.translation + self.generator.normal(0.0, self.noise, (len(time), 3))
+        X_LM = self.truth(time)
+        position = (
+            SCALE * X_LM.translation
+            + np.where(time >= self.jumps_at, 1.0, 0.0)[:, None] * JUMP
+            + self.generator.normal(0.0, self.noise, (len(time), 3))
+        )
         rotation = X_LM.rotation * Rotation.from_rotvec(self.generator.normal(0.0, 1e-4, (len(time), 3)))
         return PosePath(time, position, rotation.as_quat(canonical=True, scalar_first=True), np.full(len(time), not self.lost))
+
+    def truth(self, time):
+        return X_LB * transform_of(X_BO) * self.robot.truth(time) * transform_of(X_FT).inv() * X_FM
+
+
+class StandingTracker(WhiteTracker):
+    """A second device that stands still in view."""
+
+    def truth(self, time):
+        return RigidTransform.from_components(np.tile([0.3, -0.2, 0.5], (len(time), 1)), Rotation.identity(len(time)))
 
 
 class ClosedFormOracles:
@@ -197,8 +214,8 @@ class ClosedFormOracles:
 
 
 def make_rig(seed=1, faults=(), noise=2e-4):
-    """Gives the rig; faults: offset=MM, lost, unreachable (raises RigError), noisy."""
-    offset, lost = 0.0, False
+    """Gives the rig; faults: offset=MM, lost, unreachable (raises RigError), noisy, frame-jump=S after a case's beginning, no-reference."""
+    offset, lost, jumps_at, watched = 0.0, False, np.inf, True
     for fault in faults:
         name, _, size = fault.partition("=")
         match name:
@@ -208,6 +225,10 @@ def make_rig(seed=1, faults=(), noise=2e-4):
                 lost = True
             case "unreachable":
                 raise RigError("no controller answers at 192.0.2.1")
+            case "frame-jump":
+                jumps_at = float(size or 2.0)
+            case "no-reference":
+                watched = False
             case "noisy":
                 noise = 3e-2
             case _:
@@ -215,11 +236,15 @@ def make_rig(seed=1, faults=(), noise=2e-4):
     clock = VirtualClock()
     robot = LineRobot(clock, offset)
     tracker = WhiteTracker(clock, robot, noise)
+    reference = StandingTracker(clock, robot, noise)
 
     def begin_case(case_id):
         clock.time = 0.0
         robot.reset()
         tracker.generator = np.random.default_rng([seed, zlib.crc32(case_id.encode())])
+        reference.generator = np.random.default_rng([seed, zlib.crc32(case_id.encode()), 1])
         tracker.lost = lost and case_id != "calibration"
+        tracker.jumps_at = reference.jumps_at = np.inf if case_id == "calibration" else jumps_at
 
-    return Rig("line", "none", seed, robot, tracker, clock, ClosedFormOracles(), begin_case, {"line_rig": "1"})
+    devices = {"reference": reference} if watched else {}
+    return Rig("line", "none", seed, robot, tracker, clock, ClosedFormOracles(), begin_case, {"line_rig": "1"}, devices)

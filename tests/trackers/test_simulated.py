@@ -86,11 +86,11 @@ def test_a_lost_tracker_says_so():
     assert world.now() == 0.5
 
 
-def test_a_reseeded_tracker_measures_as_a_new_one_with_that_seed():
+def test_a_tracker_that_begins_with_another_seed_measures_as_a_new_one_with_it():
     world, tracker = bench(THESIS, seed=1)
     tracker.start()
     world.wait(1.0)
-    tracker.reseed(THESIS, seed=2)
+    tracker.begin(TrackerModel(THESIS, seed=2))
     with pytest.raises(RigError, match="not started"):
         tracker.path()
     again = tracker.average(1.0)
