@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mitl.errors import UsageError
-from mitl.motion.legs import OrientationLaw, evenly
+from mitl.motion.orientation import OrientationLaw, evenly
 from mitl.motion.program_run import EffectFilter
 from mitl.paths import FloatArray
 from rapid_interp import data, effects

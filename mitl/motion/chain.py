@@ -13,9 +13,9 @@ import numpy as np
 
 from mitl.errors import MitlError
 from mitl.motion.cells import Cells
-from mitl.motion.legs import OrientationLaw, evenly
 from mitl.motion.limits import Grid, cells_of, cut
 from mitl.motion.moves import MovePlanner, PlannedMove
+from mitl.motion.orientation import OrientationLaw, evenly
 from mitl.motion.pace import Pace
 from mitl.motion.path import Corner, IndexArray, Path
 from mitl.motion.refusals import beyond, place, refusal

@@ -24,6 +24,12 @@ WRIST_WINDOW = 0.02
 """Angle in rad of axis 5 within which a path may lead straight through the wrist's singularity."""
 STRAIGHT_THROUGH = 5e-4
 """Turn in rad of axis 4 over the window up to which it counts as straight: the tool then turns from its path by at most 5e-6 rad."""
+_MOST_NEWTON_STEPS = 30
+_AT_THE_TIP = 1e-11
+"""Distance in m that counts as none."""
+_FLAT = 1e-9
+"""Determinant in m^3 of the tip's Jacobian of axes 1 to 3, below which the arm is stretched out or stands over axis 1."""
+_LARGEST_NEWTON_STEP = 0.3
 
 
 @dataclass(frozen=True)
@@ -64,6 +70,28 @@ class Arm:
         followed = raw - _TURN * np.cumsum(turns, axis=0)
         return through_wrist(np.vstack([near, followed]))[1:] if np.any(np.abs(followed[:, 4]) < WRIST_WINDOW) else followed
 
+    def joints_with_wrist(self, position: FloatArray, wrist: FloatArray, X_FT: RigidTransform, near: FloatArray) -> FloatArray:
+        """Gives joints (N, 6) that bring the tool's tip to positions (N, 3) m with axes 4 to 6 (N, 3) given.
+
+        near (N, 3): axes 1 to 3 from which Newton's method begins; rows are NaN where it finds none.
+        """
+        q = np.concatenate([near, wrist], axis=1)
+        steps = 1e-6 * np.eye(6)[:3]
+        with np.errstate(invalid="ignore", divide="ignore"):
+            for _ in range(_MOST_NEWTON_STEPS):
+                miss = position - (self.flange(q) * X_FT).translation
+                if np.nanmax(np.linalg.norm(miss, axis=1), initial=0.0) < _AT_THE_TIP:
+                    break
+                sides = [((self.flange(q + h) * X_FT).translation - (self.flange(q - h) * X_FT).translation) / 2e-6 for h in steps]
+                slope = np.stack(sides, axis=2)
+                determinant = np.abs(np.linalg.det(slope))
+                slope[determinant < _FLAT] = np.nan
+                step = np.linalg.solve(slope, miss[:, :, None])[:, :, 0]
+                largest = np.abs(step).max(axis=1, keepdims=True)
+                q[:, :3] += step * np.minimum(1.0, _LARGEST_NEWTON_STEP / np.maximum(largest, 1e-12))
+        q[~(np.linalg.norm(position - (self.flange(q) * X_FT).translation, axis=1) < 10 * _AT_THE_TIP)] = np.nan
+        return q
+
     def solutions(self, X_BF: RigidTransform) -> FloatArray:
         """Gives up to eight joint vectors (K, 6) for one pose, each axis within +-pi; K = 0 if out of reach."""
         found = self.model.from_links(np.array(self._robot.inverse(X_BF), dtype=np.float64).reshape(-1, 6))
@@ -99,9 +127,14 @@ class Arm:
         return best
 
     def nearest(self, X_BF: RigidTransform, near: FloatArray) -> FloatArray | None:
-        """Gives the joints (6,) for one pose within the limits and nearest to `near`; None if there are none."""
+        r"""Gives the joints (6,) for one pose within the limits and nearest to `near`; None if there are none.
+
+        Main axes that are folded as at `near` go first, however far: ConfJ \Off changes only the wrist (`facts/rapid.md`).
+        """
         candidates = [self.turned_near(q, near) for q in self.solutions(X_BF)]
-        allowed = [q for q in candidates if self.within_limits(q)]
+        within = [q for q in candidates if self.within_limits(q)]
+        folded = self.solution_index(near) // 2
+        allowed = [q for q in within if self.solution_index(q) // 2 == folded] or within
         return min(allowed, key=lambda q: float(np.sum(np.abs(q - near))), default=None)
 
     def configured(self, X_BF: RigidTransform, wanted: Configuration) -> FloatArray | None:

@@ -6,13 +6,13 @@ Invariant: for a Cartesian leg the TCP's distance is x * travel / length exactly
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from mitl.errors import MitlError
+from mitl.motion.orientation import HeldWrist, Turn
 from mitl.paths import FloatArray
 
 TURNING_RADIUS = 0.1
@@ -22,14 +22,6 @@ LONGEST_ARC = np.radians(240.0)
 """RAPID's own limit of one MoveC (`facts/rapid.md`, from memory). ASSUMPTION A-03."""
 CLOSEST_ARC_POINTS = 0.1e-3
 """Least distance in m of a MoveC's three points (`facts/rapid.md`, from memory). ASSUMPTION A-03."""
-
-OrientationLaw = Callable[[FloatArray], FloatArray]
-"""Share of the leg's turn (N,) that is done at shares (N,) of the leg; may be asked beyond 0 and 1."""
-
-
-def evenly(share: FloatArray) -> FloatArray:
-    """Gives RAPID's own orientation law: turning in step with the path."""
-    return share
 
 
 class GeometryError(MitlError):
@@ -51,13 +43,17 @@ class Line:
 
 @dataclass(frozen=True, eq=False)
 class Arc:
-    """A circle's arc: centre (3,), radius m, orthonormal u towards the start and v along the first tangent; travel in m."""
+    """A circle's arc: centre (3,), radius m, orthonormal u towards the start and v along the first tangent; travel in m.
+
+    via: the programmed middle point's distance in m along the arc.
+    """
 
     centre: FloatArray
     radius: float
     u: FloatArray
     v: FloatArray
     travel: float
+    via: float = 0.0
 
     def position(self, distance: FloatArray) -> FloatArray:
         """Gives points (N, 3) at distances (N,) in m along the arc from the start."""
@@ -95,24 +91,22 @@ def arc_through(start: FloatArray, via: FloatArray, end: FloatArray) -> Arc:
     radius = float(np.linalg.norm(to_centre))
     u = -to_centre / radius
     v = np.cross(axis, u)
-    angle = float(np.arctan2(np.dot(end - centre, v), np.dot(end - centre, u))) % (2 * np.pi)
+    at_via, angle = (float(np.arctan2(np.dot(point - centre, v), np.dot(point - centre, u))) % (2 * np.pi) for point in (via, end))
     if angle > LONGEST_ARC + 1e-9:
         raise GeometryError(f"the arc turns by {np.degrees(angle):.1f} deg, more than the {np.degrees(LONGEST_ARC):.0f} deg of one MoveC")
-    return Arc(centre, radius, u, v, radius * angle)
+    return Arc(centre, radius, u, v, radius * angle, radius * at_via)
 
 
 @dataclass(frozen=True, eq=False)
 class CartesianLeg:
-    """MoveL or MoveC: the TCP on a curve in the base frame, the tool turning from R_start by the rotation vector `turn` (3,), body frame.
+    """MoveL or MoveC: the TCP on a curve in the base frame, the tool turning as `turn` says.
 
     track (K, 6) rad: the joints at coordinates marks (K,), from start to end, where its solutions were followed: close together only near
     a singularity. X_FT: the tool.
     """
 
     curve: Line | Arc
-    R_start: Rotation
-    turn: FloatArray
-    law: OrientationLaw
+    turn: Turn
     X_FT: RigidTransform
     marks: FloatArray
     track: FloatArray
@@ -134,8 +128,8 @@ class CartesianLeg:
 
     @property
     def turning(self) -> float:
-        """Gives the angle in rad by which the tool turns."""
-        return float(np.linalg.norm(self.turn))
+        """Gives the angle in rad by which the tool would turn if it did all along as at its quickest."""
+        return self.turn.turning
 
     @property
     def length(self) -> float:
@@ -146,10 +140,19 @@ class CartesianLeg:
         """Gives TCP positions (N, 3) in m at coordinates (N,)."""
         return self.curve.position(x * (self.travel / self.length if self.length > 0 else 0.0))
 
+    def share(self, x: FloatArray) -> FloatArray:
+        """Gives the share (N,) of the leg that is done at coordinates (N,)."""
+        return x / self.length if self.length > 0 else np.zeros_like(x)
+
     def rotation(self, x: FloatArray) -> Rotation:
-        """Gives tool rotations at coordinates (N,)."""
-        share = self.law(x / self.length) if self.length > 0 else np.zeros_like(x)
-        return self.R_start * Rotation.from_rotvec(share[:, None] * self.turn)
+        """Gives tool rotations at coordinates (N,); not to be asked where the wrist's axes decide (`held_wrist`)."""
+        assert not isinstance(self.turn, HeldWrist)  # noqa: S101 - the arm has to be asked, see above
+        return self.turn.rotation(self.share(x))
+
+    @property
+    def held_wrist(self) -> HeldWrist | None:
+        """Gives the law of the wrist's axes where they are interpolated; None where the orientation is."""
+        return self.turn if isinstance(self.turn, HeldWrist) else None
 
     def joints_near(self, x: float) -> FloatArray:
         """Gives joints (6,) in rad near those at a coordinate, of the same solution."""

@@ -9,13 +9,14 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.integrate import simpson
-from scipy.spatial.transform import RigidTransform
+from scipy.spatial.transform import RigidTransform, Rotation
 
 from mitl.motion import bridge
 from mitl.motion.dynamics import AS_FAST_AS_IT_CAN, Dynamics
 from mitl.motion.kinematics import Arm
-from mitl.motion.legs import Arc, CartesianLeg, GeometryError, JointLeg, Leg, Line, OrientationLaw, arc_through, evenly, line_through
+from mitl.motion.legs import Arc, CartesianLeg, GeometryError, JointLeg, Leg, Line, arc_through, line_through
 from mitl.motion.limits import LegSpeed
+from mitl.motion.orientation import HeldWrist, OrientationLaw, Turn, even_turn, evenly, path_frame_turn, turn_through
 from mitl.motion.path import Corner
 from mitl.motion.refusals import beyond, place, refusal
 from mitl.motion.robot_model import RobotModel
@@ -25,6 +26,8 @@ from mitl.paths import FloatArray
 from rapid_interp import data, effects
 
 _QUADRATURE = 64
+_AXIS_4_LOCKED = 0.5
+"""How far in deg axis 4 may be from 0 or +-180 to count as locked there. ASSUMPTION A-155."""
 _SHORTEST_MOVE = 5e-7
 """A move of less length in m is none: the arm stands, and the next move begins where it stands."""
 
@@ -62,8 +65,6 @@ class MovePlanner:
             raise refusal(effect, "a stationary tool (robhold FALSE) is not supported yet")
         if effect.wobj.robhold or not effect.wobj.ufprog:
             raise refusal(effect, "a work object held by a robot or moved by a mechanical unit is not supported yet")
-        if settings.singularity != "off" and isinstance(effect, effects.MoveL | effects.MoveC):
-            raise refusal(effect, f"SingArea \\{settings.singularity} is not supported yet")
         try:
             # One transform a tool: legs compare tools by identity.
             X_FT = self._tools.setdefault(effect.tool.tframe, bridge.tool_frame(effect.tool))
@@ -125,20 +126,49 @@ class MovePlanner:
         X_BT_start = self.arm.flange(q_start) * X_FT
         X_BT_end = X_BD * bridge.target_frame(effect.target)
         start, end = X_BT_start.translation, X_BT_end.translation
-        if isinstance(effect, effects.MoveC):
-            curve: Line | Arc = arc_through(start, (X_BD * bridge.target_frame(effect.via)).translation, end)
-        else:
-            curve = line_through(start, end)
-        turn = (X_BT_start.rotation.inv() * X_BT_end.rotation).as_rotvec()
-        if np.linalg.norm(turn) < 1e-9:  # RAPID's rounded quaternions, not a turn
-            turn = np.zeros(3)
-        leg = followed(self.arm, effect, CartesianLeg(curve, X_BT_start.rotation, turn, self._law, X_FT, np.zeros(1), q_start[None]))
+        R_start, R_end = X_BT_start.rotation, X_BT_end.rotation
+        curve: Line | Arc
+        turn: Turn
+        match effect:
+            case effects.MoveL():
+                curve, turn = line_through(start, end), even_turn(R_start, R_end, self._law)
+            case effects.MoveC():
+                X_BT_via = X_BD * bridge.target_frame(effect.via)
+                curve = arc_through(start, X_BT_via.translation, end)
+                turn = self._arc_turn(effect, curve, (R_start, X_BT_via.rotation, R_end), settings)
+        if settings.singularity != "off":
+            turn = self._held_wrist(effect, q_start, X_BT_end * X_FT.inv(), settings)
+        leg = followed(self.arm, effect, CartesianLeg(curve, turn, X_FT, np.zeros(1), q_start[None]))
         if settings.linear and not self.arm.matches(leg.q_end, bridge.configuration_of(effect.target)):
             wanted = bridge.configuration_of(effect.target)
             raise refusal(
                 effect, f"the move ends in configuration {self.arm.configuration(leg.q_end)}, programmed is {wanted} (or use ConfL \\Off)"
             )
         return leg
+
+    def _arc_turn(self, effect: effects.MoveC, arc: Arc, R: tuple[Rotation, Rotation, Rotation], settings: MoveSettings) -> Turn:
+        """Gives how the tool turns along an arc through three orientations, by CirPathMode."""
+        R_start, R_via, R_end = R
+        match settings.circle:
+            case "PathFrame":
+                return path_frame_turn(R_start, R_end, np.cross(arc.u, arc.v), arc.travel / arc.radius, self._law)
+            case "ObjectFrame":
+                return even_turn(R_start, R_end, self._law)
+            case "CirPointOri":
+                return turn_through(R_start, R_via, R_end, arc.via / arc.travel, self._law)
+        raise refusal(effect, f"CirPathMode \\{settings.circle} is not supported: expected PathFrame, ObjectFrame or CirPointOri")
+
+    def _held_wrist(self, effect: effects.Motion, q_start: FloatArray, X_BF: RigidTransform, settings: MoveSettings) -> HeldWrist:
+        """Gives the joint-interpolated wrist of a linear or circular move with SingArea."""
+        q_end = self.arm.nearest(X_BF, q_start)
+        if q_end is None:
+            raise refusal(effect, f"target {_point(X_BF)} is out of reach")
+        if settings.singularity == "lock_axis_4":
+            off = [float(np.degrees(np.abs((q[3] + np.pi / 2) % np.pi - np.pi / 2))) for q in (q_start, q_end)]
+            if max(off) > _AXIS_4_LOCKED or abs(q_end[3] - q_start[3]) > np.radians(2 * _AXIS_4_LOCKED):
+                axis_4 = " to ".join(f"{np.degrees(q[3]):.2f}" for q in (q_start, q_end))
+                raise refusal(effect, f"SingArea \\LockAxis4 wants axis 4 at 0 or +-180 deg all along; it would go from {axis_4} deg")
+        return HeldWrist(q_start[3:], q_end[3:])
 
     def _speed(self, effect: effects.Motion) -> LegSpeed:
         tcp = bridge.MM * (effect.speed.v_tcp if effect.tcp_speed is None else effect.tcp_speed)

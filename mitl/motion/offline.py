@@ -16,7 +16,7 @@ from scipy.spatial.transform import RigidTransform, Rotation
 from mitl.motion import bridge
 from mitl.motion.chain import Planner
 from mitl.motion.kinematics import Arm
-from mitl.motion.legs import OrientationLaw, evenly
+from mitl.motion.orientation import OrientationLaw, evenly
 from mitl.motion.path import IndexArray
 from mitl.motion.program_run import ProgramRun, joints_home
 from mitl.motion.record import TICK, ExecutedMove, MotionRecord, View

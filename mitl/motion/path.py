@@ -172,9 +172,11 @@ class Path:
         return leg_of, g - self._begins[leg_of]
 
     def _joint_corner(self, index: int) -> bool:
-        """Gives whether corner `index` is blended in joint space: beside a joint move, or where the tool changes."""
+        """Gives whether corner `index` is blended in joint space: beside a joint move, or where tool or kind of interpolation changes."""
         a, b = self.legs[index], self.legs[index + 1]
-        return isinstance(a, JointLeg) or isinstance(b, JointLeg) or a.X_FT is not b.X_FT
+        if isinstance(a, JointLeg) or isinstance(b, JointLeg) or a.X_FT is not b.X_FT:
+            return True
+        return (a.held_wrist is None) != (b.held_wrist is None)
 
     def _corners_beside(self, index: int) -> list[int]:
         return [corner for corner in (index - 1, index) if 0 <= corner < len(self.corners) and self.corners[corner].radius > 0]
@@ -185,7 +187,8 @@ class Path:
         return np.asarray(from_corner / (radius * self._scale[index]))
 
     def _by_joints(self, index: int, x: FloatArray) -> BoolArray:
-        mask = np.full(len(x), isinstance(self.legs[index], JointLeg))
+        leg = self.legs[index]
+        mask = np.full(len(x), isinstance(leg, JointLeg) or leg.held_wrist is not None)
         for corner in self._corners_beside(index):
             if self._joint_corner(corner):
                 mask |= np.abs(self._u(corner, index, x, self.corners[corner].radius)) < 1
@@ -215,19 +218,22 @@ class Path:
             inside = np.abs(u) < 1
             if inside.any():
                 v = off_corner(u[inside])
-                one = np.ones(1)
-                done_a = a.law(1 + v * turn_radius / a.travel) - a.law(one)
-                done_b = b.law(v * turn_radius / b.travel)
-                vector = blended(done_a[:, None] * a.turn, done_b[:, None] * b.turn, v, orientation_blend(v))
+                R_corner = b.rotation(np.zeros(1))
+                turned_a = (R_corner.inv() * a.rotation(a.length + v * turn_radius * self._scale[corner])).as_rotvec()
+                turned_b = (R_corner.inv() * b.rotation(v * turn_radius * self._scale[corner + 1])).as_rotvec()
+                vector = blended(turned_a, turned_b, v, orientation_blend(v))
                 quaternion = rotation.as_quat()
-                quaternion[inside] = (b.R_start * Rotation.from_rotvec(vector)).as_quat()
+                quaternion[inside] = (R_corner * Rotation.from_rotvec(vector)).as_quat()
                 rotation = Rotation.from_quat(quaternion)
         return position, rotation
 
     def _joints_directly(self, index: int, x: FloatArray) -> FloatArray:
-        """Gives joints (N, 6) on a joint leg or in a joint-space corner."""
+        """Gives joints (N, 6) on a joint leg, on a leg with joint-interpolated wrist, or in a joint-space corner."""
         leg = self.legs[index]
-        joints = leg.joints(x) if isinstance(leg, JointLeg) else np.empty((len(x), 6))
+        if isinstance(leg, JointLeg):
+            joints = leg.joints(x)
+        else:
+            joints = np.empty((len(x), 6)) if leg.held_wrist is None else self._with_held_wrist(index, x)
         for corner in self._corners_beside(index):
             if not self._joint_corner(corner):
                 continue
@@ -240,6 +246,29 @@ class Path:
                 qb = self._extended(corner + 1, v, radius, end=False)
                 joints[inside] = blended(qa, qb, v, position_blend(v))
         return joints
+
+    def _with_held_wrist(self, index: int, x: FloatArray) -> FloatArray:
+        """Gives joints (N, 6) on a leg with joint-interpolated wrist; in a zone to another such leg positions and wrists are blended."""
+        leg = self.legs[index]
+        assert isinstance(leg, CartesianLeg)  # noqa: S101 - narrows the type
+        position, wrist = leg.position(x), _wrist(leg, x)
+        for corner in self._corners_beside(index):
+            a, b = self.legs[corner], self.legs[corner + 1]
+            if self._joint_corner(corner) or not isinstance(a, CartesianLeg) or not isinstance(b, CartesianLeg):
+                continue
+            ka, kb = self._scale[corner], self._scale[corner + 1]
+            for radius, values, on_leg in (
+                (self.corners[corner].radius, position, CartesianLeg.position),
+                (self.corners[corner].turn_radius, wrist, _wrist),
+            ):
+                u = self._u(corner, index, x, radius)
+                inside = np.abs(u) < 1
+                if inside.any():
+                    v = off_corner(u[inside])
+                    va, vb = on_leg(a, a.length + v * radius * ka), on_leg(b, v * radius * kb)
+                    values[inside] = blended(va, vb, v, position_blend(v))
+        near = np.stack([np.interp(x, leg.marks, axis) for axis in leg.track[:, :3].T], axis=1)
+        return self.arm.joints_with_wrist(position, wrist, leg.X_FT, near)
 
     def _extended(self, index: int, u: FloatArray, radius: float, *, end: bool) -> FloatArray:
         """Gives a leg's joints (N, 6) at u radii from its end or start; a Cartesian leg goes on beyond as a parabola in joint space.
@@ -256,8 +285,11 @@ class Path:
         step = -_STEP if end else _STEP
         order = np.argsort(np.abs(u[own]))
         asked = np.concatenate([origin + step * np.array([1.0, 2.0, 3.0]) * radius * self._scale[index], x[own][order]])
-        X_BT = RigidTransform.from_components(leg.position(asked), leg.rotation(asked))
-        q = self.arm.joints(X_BT * leg.X_FT.inv(), q_corner)
+        if leg.held_wrist is None:
+            X_BT = RigidTransform.from_components(leg.position(asked), leg.rotation(asked))
+            q = self.arm.joints(X_BT * leg.X_FT.inv(), q_corner)
+        else:
+            q = self.arm.joints_with_wrist(leg.position(asked), _wrist(leg, asked), leg.X_FT, np.tile(q_corner[:3], (len(asked), 1)))
         tangent = (18 * q[0] - 9 * q[1] + 2 * q[2] - 11 * q_corner) / 6
         bend = 2 * q_corner - 5 * q[0] + 4 * q[1] - q[2]
         steps = (u / step)[:, None]
@@ -295,6 +327,12 @@ class Path:
         ratio_slope = (position_blend_slope(v) - position_blend(v) / v) / (2 * v)
         velocity = 0.5 * (da + db) + ratio[:, None] * (db - da) + ratio_slope[:, None] * (pb - pa)
         return np.asarray(np.linalg.norm(velocity, axis=1) / radius)
+
+
+def _wrist(leg: CartesianLeg, x: FloatArray) -> FloatArray:
+    """Gives axes 4 to 6 (N, 3) in rad at coordinates (N,) of a leg that interpolates them."""
+    assert leg.held_wrist is not None  # noqa: S101 - narrows the type
+    return leg.held_wrist.angles(leg.share(x))
 
 
 @dataclass(frozen=True, eq=False)

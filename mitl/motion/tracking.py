@@ -12,6 +12,7 @@ from scipy.spatial.transform import RigidTransform
 
 from mitl.motion.kinematics import STRAIGHT_THROUGH, Arm
 from mitl.motion.legs import CartesianLeg
+from mitl.motion.orientation import HeldWrist
 from mitl.motion.refusals import beyond, place, refusal
 from mitl.paths import BoolArray, FloatArray
 from rapid_interp import effects
@@ -36,6 +37,8 @@ def followed(arm: Arm, effect: effects.Motion, leg: CartesianLeg) -> CartesianLe
     if not leg.length <= _FARTHEST:
         raise refusal(effect, f"out of reach: the way is {leg.length:.3g} m long")
     steps = max(_FEWEST_STEPS, int(np.ceil(leg.length / _TRACKING_STEP)))
+    if leg.held_wrist is not None:
+        return _by_wrist(arm, effect, leg, leg.held_wrist, np.linspace(0, leg.length, steps + 1))
     leg = _tracked(arm, effect, leg, np.linspace(0, leg.length, steps + 1))
     for _ in range(_MOST_HALVINGS):
         close = _near_singularity(leg.marks, leg.track)
@@ -55,6 +58,19 @@ def followed(arm: Arm, effect: effects.Motion, leg: CartesianLeg) -> CartesianLe
     for row in leg.track[1:]:
         refuse_beyond_limits(arm, effect, row)
     return leg
+
+
+def _by_wrist(arm: Arm, effect: effects.Motion, leg: CartesianLeg, wrist: HeldWrist, marks: FloatArray) -> CartesianLeg:
+    """Gives the leg with its joints, where the wrist's axes are interpolated and only the tip is told its place."""
+    position, angles = leg.position(marks), wrist.angles(leg.share(marks))
+    track = leg.q_start[None]
+    for index in range(1, len(marks)):
+        q = arm.joints_with_wrist(position[[index]], angles[[index]], leg.X_FT, track[-1:, :3])
+        if np.isnan(q).any():
+            raise refusal(effect, f"out of reach at {place(position[index])} (SingArea \\Wrist)")
+        refuse_beyond_limits(arm, effect, q[0])
+        track = np.vstack([track, q])
+    return replace(leg, marks=marks, track=track)
 
 
 def _tracked(arm: Arm, effect: effects.Motion, leg: CartesianLeg, marks: FloatArray) -> CartesianLeg:

@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from mitl.motion.kinematics import Arm
-from mitl.motion.legs import CartesianLeg, JointLeg, arc_through, evenly, line_through
+from mitl.motion.legs import CartesianLeg, JointLeg, arc_through, line_through
+from mitl.motion.orientation import EvenTurn
 from mitl.motion.path import Corner, Path
 from mitl.motion.robot_model import load_robot_model
 
@@ -20,11 +21,11 @@ START = np.array([0.45, 0.0, 0.4])
 
 def leg(curve, turn=(0, 0, 0), rotation=DOWN):
     places = np.linspace(0, curve.travel, 9)
-    made = CartesianLeg(curve, rotation, np.array(turn, dtype=float), evenly, FLANGE, np.zeros(1), np.zeros((1, 6)))
+    made = CartesianLeg(curve, EvenTurn(rotation, np.array(turn, dtype=float)), FLANGE, np.zeros(1), np.zeros((1, 6)))
     marks = np.linspace(0, made.length, len(places))
     X_BT = RigidTransform.from_components(made.position(marks), made.rotation(marks))
     first = ARM.nearest(X_BT[0], np.radians([0, 0, 0, 0, 60, 0]))
-    return CartesianLeg(curve, rotation, made.turn, evenly, FLANGE, marks, np.vstack([first, ARM.joints(X_BT[1:], first)]))
+    return CartesianLeg(curve, made.turn, FLANGE, marks, np.vstack([first, ARM.joints(X_BT[1:], first)]))
 
 
 def corner_of(angle_deg, zone, first=0.1, second=0.1, turn_zone=None):
