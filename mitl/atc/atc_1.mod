@@ -91,10 +91,12 @@ MODULE ATC_1
       MoveC pCircleTop, pCircleLeft, vTest, z10, tTest\WObj:=wTest;
       MoveC pCircleBottom, pCircleRight, vTest, fine, tTest\WObj:=wTest;
     CASE 2:
+      CirPathMode \ObjectFrame; ! turning evenly, as the case expects; the standard mode turns with the arc
       MoveJ pCircleRightTurned, v500, fine, tTest\WObj:=wTest;
       WaitTime 0.5;
       MoveC pCircleTop, pCircleLeftTurned, vTest, z10, tTest\WObj:=wTest;
       MoveC pCircleBottom, pCircleRightTurned, vTest, fine, tTest\WObj:=wTest;
+      CirPathMode \PathFrame;
     ENDTEST
     WaitTime 0.5;
     MoveAbsJ home, v500, fine, tTest;
