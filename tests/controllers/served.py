@@ -2,8 +2,13 @@
 
 import asyncio
 import threading
-from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass
 
+from mitl.controllers.rws.controller import RwsController
+from mitl.controllers.rws.credentials import Credentials
+from mitl.controllers.rws.dialects import Rws1, Rws2, Rws8
+from mitl.controllers.rws.transport import Transport
 from mitl.controllers.virtual import start
 from mitl.controllers.virtual.answers import Dialect
 from mitl.controllers.virtual.server import Pace, VirtualServer
@@ -46,7 +51,41 @@ class Served:
         self._loop.close()
 
 
-def in_parallel(function, arguments):
-    """Gives the results of calls made at the same time."""
-    with ThreadPoolExecutor(len(arguments)) as pool:
-        return list(pool.map(function, arguments))
+@dataclass
+class RemoteRig:
+    """What the contract suite needs of a rig whose controller is reached over HTTP."""
+
+    controller: RwsController
+    clock: Served
+    transport: Transport
+
+    def begin_case(self, _case_id):
+        self.controller.stop()
+
+
+STATION = "11111111-2222-3333-4444-555555555555"
+
+
+def dialect(generation):
+    return {"1": Rws1, "2": Rws2, "8": lambda: Rws8(STATION)}[generation]()
+
+
+def transport_to(served, **options):
+    """A transport without pacing: time at the virtual controller is the test's own."""
+    options = {"rate": 0.0, "fingerprint": served.fingerprint, "credentials": Credentials("Default User", PASSWORD), **options}
+    credentials = options.pop("credentials")
+    return Transport(served.address, dialect(served.dialect.value), credentials, **options)
+
+
+@contextmanager
+def remote(generation, disk, **options):
+    """A controller of a generation, served in this process and reached by the client."""
+    served = Served(generation, disk, **options)
+    transport = transport_to(served)
+    controller = RwsController(transport, served)
+    try:
+        yield RemoteRig(controller, served, transport)
+        controller.close()
+    finally:
+        transport.close()
+        served.close()

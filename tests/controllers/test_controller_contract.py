@@ -1,5 +1,6 @@
 """What every Controller does, whatever is behind it. A new implementation adds an entry to RIGS."""
 
+from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +9,8 @@ import pytest
 from mitl.errors import RigError
 from mitl.protocols import Controller, ExecutionState
 from mitl.rig import load_rig
+
+from .served import remote
 
 PROGRAM = """MODULE Contract
   CONST jointtarget home := [[0,0,0,0,30,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
@@ -27,6 +30,9 @@ PROGRAM = """MODULE Contract
       CASE 3:
         MoveAbsJ home, v200, fine, tool0;
         EXIT;
+      CASE 4:
+        MoveAbsJ home, v200, fine, tool0;
+        option := 0;
       DEFAULT:
         WaitTime 0.05;
       ENDTEST
@@ -34,14 +40,19 @@ PROGRAM = """MODULE Contract
   ENDPROC
 ENDMODULE
 """
-RIGS = {"simulated": lambda: load_rig("sim", 1, ())}
+RIGS = {
+    "simulated": lambda _folder: nullcontext(load_rig("sim", 1, ())),
+    "rws 1": lambda folder: remote("1", folder),
+    "rws 2": lambda folder: remote("2", folder),
+    "rws 8": lambda folder: remote("8", folder),
+}
 
 
 @pytest.fixture(params=RIGS)
 def rig(request, tmp_path):
-    made = RIGS[request.param]()
     (tmp_path / "contract.mod").write_text(PROGRAM, encoding="utf-8")
-    return made, tmp_path / "contract.mod"
+    with RIGS[request.param](tmp_path / "disk") as made:
+        yield made, tmp_path / "contract.mod"
 
 
 @pytest.fixture
@@ -171,6 +182,8 @@ def test_the_speed_ratio_slows_what_is_planned_from_then_on(rig):
         made.controller.load([program])
         made.controller.set_speed_ratio(ratio)
         made.controller.start()
+        made.controller.write("option", "4")
+        wait_for(made, "option", "0")
         made.controller.write("option", "1")
         began = made.clock.now()
         wait_for(made, "option", "0")
