@@ -164,10 +164,20 @@ class ProgrammedMove:
 
 
 @dataclass(frozen=True)
+class OracleAccuracy:
+    """How well an oracle knows the real arm, as standard uncertainties: of the path in m, of times in s, of steady speeds as a share."""
+
+    path: float = 0.0
+    time: float = 0.0
+    speed: float = 0.0
+
+
+@dataclass(frozen=True)
 class Oracle:
     """What a nominal controller would do with a program: the path of the TCP in the work object, the moves, the outputs.
 
     tcp: X_OT over time (tool view). tool: X_FT (7,). wobj: X_BO (7,). signals: name -> (times (K,), values (K,)) of changes.
+    accuracy: what the oracle adds to an uncertainty budget; none where it is exact.
     """
 
     tcp: PosePath
@@ -175,6 +185,7 @@ class Oracle:
     wobj: FloatArray
     moves: tuple[ProgrammedMove, ...]
     signals: dict[str, tuple[FloatArray, FloatArray]] = field(default_factory=dict)
+    accuracy: OracleAccuracy = OracleAccuracy()
 
 
 class OracleSource(Protocol):

@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from mitl.pytest_options import add_options
+
 if TYPE_CHECKING:
     from mitl.engine.bench import Bench
     from mitl.engine.calibration_session import SessionCalibration
@@ -27,7 +29,6 @@ _RECORDER: pytest.StashKey[CaseRecorder] = pytest.StashKey()
 _KEEPER: pytest.StashKey[RunKeeper] = pytest.StashKey()
 _CURRENT: pytest.StashKey[CaseRecorder] = pytest.StashKey()
 _RIG: pytest.StashKey[Rig | Exception] = pytest.StashKey()
-_CALIBRATION_PROGRAM = Path(__file__).resolve().parent / "atc" / "calibration.mod"
 
 
 class HookSpecifications:
@@ -48,22 +49,7 @@ def pytest_addhooks(pluginmanager: pytest.PytestPluginManager) -> None:
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Adds the options --mitl-..."""
-    group = parser.getgroup("mitl", "mitl: verify robot controllers")
-    group.addoption("--mitl-rig", default="sim", metavar="RIG", help="sim (default) or a rig.toml file")
-    group.addoption("--mitl-seed", default=1, type=int, metavar="N", help="seed of the simulated rig (default 1)")
-    group.addoption("--mitl-fault", action="append", default=[], metavar="NAME[=SIZE]", help="break the simulated controller on purpose")
-    group.addoption("--mitl-case", action="append", default=[], metavar="CASE", help="run only this case id, or those below it")
-    group.addoption(
-        "--mitl-calibration", default=str(_CALIBRATION_PROGRAM), metavar="FILE", help="RAPID program with the calibration poses"
-    )
-    group.addoption(
-        "--mitl-repeats",
-        default=3,
-        type=int,
-        metavar="N",
-        help="run an inconclusive case at most N times, as a sequential test (default 3)",
-    )
-    group.addoption("--mitl-out", default=None, metavar="DIR", help="keep results.json, junit.xml, report.html and recordings here")
+    add_options(parser)
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -86,15 +72,15 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         if former is not item:
             raise pytest.UsageError(f"case id {info.id!r} is used twice: by {former.nodeid} and by {item.nodeid}")
     wanted: list[str] = config.getoption("mitl_case")
-    if wanted:
-        from mitl.engine.selection import select  # noqa: PLC0415 - only when asked for
+    if infos:
+        from mitl.engine.selection import select  # noqa: PLC0415 - only where there are cases
         from mitl.errors import UsageError  # noqa: PLC0415
 
         try:
-            chosen = select([info.id for info in infos.values()], wanted)
+            chosen = select(list(infos.values()), wanted, long=config.getoption("mitl_long"))
         except UsageError as error:
             raise pytest.UsageError(str(error)) from error
-        left_out = [item for item in items if item not in infos or infos[item].id not in chosen]
+        left_out = [item for item in items if (infos[item].id not in chosen if item in infos else bool(wanted))]
         items[:] = [item for item in items if item not in left_out]
         config.hook.pytest_deselected(items=left_out)
 

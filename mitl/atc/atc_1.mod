@@ -3,7 +3,11 @@ MODULE ATC_1
   PERS tooldata tTest := [TRUE,[[0,0,100],[1,0,0,0]],[0.5,[0,0,50],[1,0,0,0],0,0,0]];
   ! 45 deg to the left of the robot, origin at [500,0,400] (facts/atc.md)
   PERS wobjdata wTest := [FALSE,TRUE,"",[[500,0,400],[0.923879533,0,0,0.382683432]],[[0,0,0],[1,0,0,0]]];
+  ! the same place as wTest, but shared out between user and object frame
+  PERS wobjdata wSplit := [FALSE,TRUE,"",[[500,0,400],[1,0,0,0]],[[0,0,0],[0.923879533,0,0,0.382683432]]];
   CONST jointtarget home := [[0,0,0,0,30,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+  CONST robtarget pDirection := [[40,0,120],[0.173648178,0.000000000,0.984807753,0.000000000],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+  CONST jointtarget jDirection := [[-1.3630,6.3964,-1.1557,15.1501,71.2845,-49.5468],[9E9,9E9,9E9,9E9,9E9,9E9]];
   CONST robtarget pLineStart := [[100,-100,150],[0.173648178,0.000000000,0.984807753,0.000000000],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
   CONST robtarget pLineEnd := [[100,250,150],[0.173648178,0.000000000,0.984807753,0.000000000],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
   CONST robtarget pLineStartTurned := [[100,-100,150],[0.165123216,-0.223779263,0.936460295,-0.213773901],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
@@ -52,6 +56,10 @@ MODULE ATC_1
         done;
       CASE 4:
         path;
+        MoveAbsJ home, v500, fine, tTest;
+        done;
+      CASE 5:
+        direction;
         MoveAbsJ home, v500, fine, tTest;
         done;
       CASE 9:
@@ -126,6 +134,17 @@ MODULE ATC_1
     MoveL pPath6, vTest, z50, tTest\WObj:=wTest;
     MoveJ pPath7, vTest, z20, tTest\WObj:=wTest;
     MoveL pPath8, vTest, fine, tTest\WObj:=wTest;
+    WaitTime 0.5;
+  ENDPROC
+
+  PROC direction()
+    MoveAbsJ jDirection, v500, fine, tTest;
+    WaitTime 0.5;
+    MoveJ Offs(pDirection,100,0,0), vTest, fine, tTest\WObj:=wSplit;
+    WaitTime 0.5;
+    MoveJ Offs(pDirection,100,100,0), vTest, fine, tTest\WObj:=wSplit;
+    WaitTime 0.5;
+    MoveJ Offs(pDirection,100,100,100), vTest, fine, tTest\WObj:=wSplit;
     WaitTime 0.5;
   ENDPROC
 ENDMODULE

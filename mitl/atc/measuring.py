@@ -86,19 +86,36 @@ def budget_of_point(bench: Bench, point: StillPoint) -> Budget:
 
 def budget_of_path(bench: Bench, largest: LargestDeviation, *, speed: float = 0.0, offset: TimeOffset | None = None) -> Budget:
     """Gives the budget in m of a path's largest deviation; speed m/s and clock offset only where deviations at the same time are judged."""
-    return position_budget(
+    known = bench.last_oracle.accuracy
+    budget = position_budget(
         random=largest.random,
         registration=bench.calibration.position_uncertainty(_lever(bench)),
         drift=_drift(bench),
         speed=speed,
         time_sigma=0.0 if offset is None else offset.sigma,
     )
+    late = 0.0 if offset is None else speed * known.time
+    return budget.with_term("oracle", float(np.hypot(known.path, late)), "robot model, against the real arm")
 
 
 def budget_of_turn(bench: Bench, random: float) -> Budget:
     """Gives the budget in rad of an orientation, `random` rad being its own noise."""
     return Budget(
         (Term("random", random, "noise of the recording"), Term("registration", bench.calibration.rotation_uncertainty(), "calibration"))
+    )
+
+
+def budget_of_speed(bench: Bench, *, random: float, speed: float) -> Budget:
+    """Gives the budget in m/s of a mean speed of `speed` m/s, `random` m/s being its own noise."""
+    first = 12
+    scale = np.sqrt(np.diag(bench.calibration.covariance)[first:])
+    relative = float(scale.max()) if len(scale) else 0.0
+    return Budget(
+        (
+            Term("random", random, "noise of the recording"),
+            Term("scale", relative * speed, f"tracker's scale, known to {relative:.2g}"),
+            Term("oracle", bench.last_oracle.accuracy.speed * speed, "robot model, steady speed"),
+        )
     )
 
 

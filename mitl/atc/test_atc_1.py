@@ -5,22 +5,57 @@ from __future__ import annotations
 import numpy as np
 
 from mitl.atc.measuring import budget_of_path, budget_of_point, budget_of_turn, still_point, timed
+from mitl.atc.verdicts import TURN_LIMIT, check_position, check_turn
 from mitl.engine import Bench, Check, case
 from mitl.metrics.circle import arc_angle, circle_deviation, circle_through
-from mitl.metrics.deviation import largest_deviation
+from mitl.metrics.deviation import largest_deviation, window_means, window_noise
 from mitl.metrics.line import line_deviation
 from mitl.metrics.orientation import angle_between, orientation_deviation
 from mitl.metrics.path import path_deviation
+from mitl.metrics.uncertainty import Budget, Term
 from mitl.paths import FloatArray, PosePath
 from mitl.protocols import ProgrammedMove
 
+END_LIMIT = 4e-3
 LINE_LIMIT = 5e-3
 CIRCLE_LIMIT = 5e-3
 PATH_LIMIT = 10e-3
 SHAPE_LIMIT = 5e-3
-TURN_LIMIT = np.radians(5.0)
 _FIXED_AND_TURNING = {1: "fixed orientation", 2: "turning"}
 _ORIENTATIONS = 4
+_STEP = 0.1
+"""Seconds between two positions of a growing motion."""
+
+
+@case(
+    "atc-1/direction",
+    title="Direction and position",
+    purpose="MoveJ along +X, +Y and +Z of a work object shared out between user and object frame moves that way and ends there.",
+    requirement="User frame, object frame and tool are combined rightly; positive is positive.",
+    limit_source="thesis 3.4.3.1: position every 100 ms must grow; 4 mm at the end positions",
+    program="atc_1.mod",
+    catches=("axis-sign", "frame-order", "object-frame-inverted", "tool-inverted", "work-object-ignored", "target-offset"),
+    typical_s=20.0,
+)
+def test_direction(bench: Bench, check: Check) -> None:
+    """The steps between positions 100 ms apart, each averaged over as long, and the place where every motion ends."""
+    run = timed(bench.run(5, variables={"speed": "50"}, name="direction"))
+    for axis, move in zip("XYZ", run.moves("MoveJ"), strict=True):
+        path = run.during(move)
+        marks = np.arange(path.time[0] + _STEP / 2, path.time[-1] - _STEP / 2, _STEP)
+        means = window_means(path.time, path.position, _STEP)
+        steps = np.diff(np.interp(marks, path.time, means[:, "XYZ".index(axis)]))
+        noise = window_noise(path.time, path.position, _STEP) * np.sqrt(2.0)
+        check(
+            f"least step along +{axis} in 100 ms",
+            value=1e3 * float(steps.min()),
+            limit=0.0,
+            unit="mm",
+            at_least=True,
+            budget=Budget((Term("random", noise, "noise of the recording"),)),
+        )
+        rest = run.tool.between(move.ends + 0.2, move.ends + 0.45)
+        check_position(bench, check, f"end of the way along +{axis}", rest, rest.position - move.end[:3], END_LIMIT)
 
 
 @case(
@@ -40,12 +75,12 @@ def test_linear(bench: Bench, check: Check) -> None:
         move = run.moves("MoveL")[0]
         path = run.during(move)
         deviation = line_deviation(path.position, move.start[:3], move.end[:3])
-        _check_position(bench, check, f"line deviation, {name}", path, deviation.across, LINE_LIMIT)
+        check_position(bench, check, f"line deviation, {name}", path, deviation.across, LINE_LIMIT)
         progress = deviation.along / np.linalg.norm(move.end[:3] - move.start[:3])
         turn = orientation_deviation(path.quaternion_wxyz, move.start[3:], move.end[3:], progress)
-        _check_turn(bench, check, f"orientation along the line, {name}", path, turn)
+        check_turn(bench, check, f"orientation along the line, {name}", path, turn)
         rest = run.tool.between(move.ends + 0.2, move.ends + 0.45)
-        _check_position(bench, check, f"end of the line, {name}", rest, rest.position - move.end[:3], LINE_LIMIT)
+        check_position(bench, check, f"end of the line, {name}", rest, rest.position - move.end[:3], LINE_LIMIT)
 
 
 @case(
@@ -67,10 +102,10 @@ def test_circular(bench: Bench, check: Check) -> None:
         circle = circle_through(first.start[:3], first.via[:3], first.end[:3])
         path = run.during(first, last)
         deviation = circle_deviation(path.position, circle)
-        _check_position(bench, check, f"deviation in the circle's plane, {name}", path, deviation.in_plane, CIRCLE_LIMIT)
-        _check_position(bench, check, f"deviation out of the circle's plane, {name}", path, deviation.out_of_plane, CIRCLE_LIMIT)
+        check_position(bench, check, f"deviation in the circle's plane, {name}", path, deviation.in_plane, CIRCLE_LIMIT)
+        check_position(bench, check, f"deviation out of the circle's plane, {name}", path, deviation.out_of_plane, CIRCLE_LIMIT)
         turn = _turn_from_arcs(path, deviation.angle, first, last, arc_angle(circle, first.end[:3]))
-        _check_turn(bench, check, f"orientation along the circle, {name}", path, turn)
+        check_turn(bench, check, f"orientation along the circle, {name}", path, turn)
 
 
 @case(
@@ -127,8 +162,8 @@ def test_path(bench: Bench, check: Check) -> None:
         budget=budget_of_path(bench, in_time, speed=fastest, offset=run.offset),
         over_time=(deviation.time, 1e3 * deviation.distance),
     )
-    _check_position(bench, check, "distance from the path", path, deviation.nearest, SHAPE_LIMIT)
-    _check_turn(bench, check, "orientation along the path", path, deviation.turn)
+    check_position(bench, check, "distance from the path", path, deviation.nearest, SHAPE_LIMIT)
+    check_turn(bench, check, "orientation along the path", path, deviation.turn)
     check.message("info", f"clocks' offset {run.offset.seconds:.4f} s, known to {1e3 * run.offset.sigma:.2f} ms")
 
 
@@ -137,30 +172,3 @@ def _turn_from_arcs(path: PosePath, angle: FloatArray, first: ProgrammedMove, la
     on_first = orientation_deviation(path.quaternion_wxyz, first.start[3:], first.end[3:], angle / middle)
     on_last = orientation_deviation(path.quaternion_wxyz, last.start[3:], last.end[3:], (angle - middle) / (2 * np.pi - middle))
     return np.where((angle < middle)[:, None], on_first, on_last)
-
-
-def _check_position(bench: Bench, check: Check, name: str, path: PosePath, deviation: FloatArray, limit: float) -> None:
-    """Judges the largest window mean of a deviation (N,) or (N, 3) in m."""
-    largest = largest_deviation(path.time, deviation)
-    size = np.abs(deviation) if deviation.ndim == 1 else np.linalg.norm(deviation, axis=1)
-    check(
-        name,
-        value=1e3 * largest.value,
-        limit=1e3 * limit,
-        unit="mm",
-        budget=budget_of_path(bench, largest),
-        over_time=(path.time, 1e3 * size),
-    )
-
-
-def _check_turn(bench: Bench, check: Check, name: str, path: PosePath, turn: FloatArray) -> None:
-    """Judges the largest window mean of rotation vectors (N, 3) in rad."""
-    largest = largest_deviation(path.time, turn)
-    check(
-        name,
-        value=float(np.degrees(largest.value)),
-        limit=float(np.degrees(TURN_LIMIT)),
-        unit="deg",
-        budget=budget_of_turn(bench, largest.random),
-        over_time=(path.time, np.degrees(np.linalg.norm(turn, axis=1))),
-    )

@@ -60,6 +60,7 @@ if TYPE_CHECKING:
     metavar="N",
     help="Run an inconclusive case at most N times: a sequential test, 5 % wrong verdicts at the limit over all rounds.",
 )
+@click.option("--long", "long", is_flag=True, help="Also run the cases that take hours of the rig's time (seconds in simulation).")
 @click.option("--list", "only_list", is_flag=True, help="List the cases and run none.")
 @click.option("--format", "form", type=click.Choice(("text", "json")), default="text", show_default=True, help="Form of the output.")
 @click.pass_context
@@ -72,6 +73,7 @@ def verify_command(
     out: Path,
     tests: Path | None,
     repeats: int,
+    long: bool,
     only_list: bool,
     form: str,
 ) -> None:
@@ -88,6 +90,7 @@ def verify_command(
         f"--mitl-rig={rig}",
         f"--mitl-seed={seed}",
         f"--mitl-repeats={repeats}",
+        *(["--mitl-long"] if long or only_list else []),
         *(f"--mitl-fault={fault}" for fault in faults),
         *(f"--mitl-case={case}" for case in cases),
     ]

@@ -11,18 +11,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from mitl.controllers import effect_faults as bugs
+from mitl.controllers import servo_faults as servo
 from mitl.errors import UsageError
 from mitl.motion.orientation import OrientationLaw, evenly
 from mitl.motion.program_run import EffectFilter
+from mitl.motion.robot_model import RobotModel
 from mitl.paths import FloatArray
-from rapid_interp import data, effects
+from rapid_interp import effects
 
 
 @dataclass(frozen=True)
 class FaultKind:
-    """A kind of fault. layer: where the bug lives, "interpreter", "planner" or "servo". size: the default, in `unit`.
+    """A kind of fault. layer: where the bug lives, "interpreter", "planner", "interpolator" or "servo". size: the default, in `unit`.
 
-    One of three says what it does, given its size: a filter of effects, a law of turning, or the joints (6,) rad by which the arm is off.
+    One of these says what it does, given its size: a filter of effects, a law of turning, another robot model, a way to play the plan
+    back, or by how much the arm's axes are off.
     """
 
     name: str
@@ -32,7 +36,9 @@ class FaultKind:
     size: float
     make_filter: Callable[[float], EffectFilter] | None = None
     make_law: Callable[[float], OrientationLaw] | None = None
-    make_offset: Callable[[float], FloatArray] | None = None
+    make_model: Callable[[float], Callable[[RobotModel], RobotModel]] | None = None
+    make_playback: Callable[[float], Callable[[servo.Playback], servo.Playback]] | None = None
+    make_offset: Callable[[float], servo.Offset] | None = None
 
 
 @dataclass(frozen=True)
@@ -83,137 +89,27 @@ def orientation_law(faults: Sequence[Fault]) -> OrientationLaw:
     return laws[-1] if laws else evenly
 
 
-def joint_offset(faults: Sequence[Fault]) -> FloatArray:
-    """Gives by how many rad (6,) the arm's axes are off from where the controller believes them."""
+def robot_model(model: RobotModel, faults: Sequence[Fault]) -> RobotModel:
+    """Gives the robot as the controller believes it to be."""
+    for fault in faults:
+        if fault.kind.make_model is not None:
+            model = fault.kind.make_model(fault.size)(model)
+    return model
+
+
+def playback(faults: Sequence[Fault]) -> servo.Playback:
+    """Gives how the plan is played back, all faults of that kind one around the other."""
+    played: servo.Playback = servo.straight
+    for fault in faults:
+        if fault.kind.make_playback is not None:
+            played = fault.kind.make_playback(fault.size)(played)
+    return played
+
+
+def joint_offset(faults: Sequence[Fault]) -> servo.Offset:
+    """Gives by how many rad (6,) the arm's axes are off from where the controller believes them, at a time in s since it was on."""
     offsets = [fault.kind.make_offset(fault.size) for fault in faults if fault.kind.make_offset is not None]
-    return np.asarray(np.sum([np.zeros(6), *offsets], axis=0))
-
-
-def _wrong_work_object(angle_deg: float) -> EffectFilter:
-    half = np.radians(angle_deg) / 2
-    c, s = float(np.cos(half)), float(np.sin(half))
-
-    def turned(effect: effects.Effect) -> effects.Effect:
-        if not isinstance(effect, effects.MoveJ | effects.MoveL | effects.MoveC):
-            return effect
-        frame = effect.wobj.uframe
-        w, x, y, z = frame.rot.q1, frame.rot.q2, frame.rot.q3, frame.rot.q4
-        rot = data.Orient(w * c - z * s, x * c + y * s, y * c - x * s, z * c + w * s)  # the frame turned about its own z
-        return replace(effect, wobj=replace(effect.wobj, uframe=replace(frame, rot=rot)))
-
-    return turned
-
-
-def _wrong_tool(size_mm: float) -> EffectFilter:
-    def longer(effect: effects.Effect) -> effects.Effect:
-        if not isinstance(effect, effects.MoveJ | effects.MoveL | effects.MoveC):
-            return effect
-        frame = effect.tool.tframe
-        trans = replace(frame.trans, z=frame.trans.z + size_mm)
-        return replace(effect, tool=replace(effect.tool, tframe=replace(frame, trans=trans)))
-
-    return longer
-
-
-def _axis_3_off(angle_deg: float) -> FloatArray:
-    return np.array([0.0, 0.0, np.radians(angle_deg), 0.0, 0.0, 0.0])
-
-
-def _shifted(target: data.RobTarget, x_mm: float) -> data.RobTarget:
-    return replace(target, trans=replace(target.trans, x=target.trans.x + x_mm))
-
-
-def _target_offset(size_mm: float) -> EffectFilter:
-    def shifted(effect: effects.Effect) -> effects.Effect:
-        match effect:
-            case effects.MoveJ() | effects.MoveL():
-                return replace(effect, target=_shifted(effect.target, size_mm))
-            case effects.MoveC():
-                return replace(effect, via=_shifted(effect.via, size_mm), target=_shifted(effect.target, size_mm))
-            case _:
-                return effect
-
-    return shifted
-
-
-def _axis_sign(share: float) -> EffectFilter:
-    def mirrored(target: data.RobTarget) -> data.RobTarget:
-        return replace(target, trans=replace(target.trans, y=(1 - 2 * share) * target.trans.y))
-
-    def flipped(effect: effects.Effect) -> effects.Effect:
-        match effect:
-            case effects.MoveJ() | effects.MoveL():
-                return replace(effect, target=mirrored(effect.target))
-            case effects.MoveC():
-                return replace(effect, via=mirrored(effect.via), target=mirrored(effect.target))
-            case _:
-                return effect
-
-    return flipped
-
-
-def _circle_radius(size_mm: float) -> EffectFilter:
-    """Gives a filter that moves the middle of every arc outwards; it remembers where the last move ended."""
-    last = data.Pos()
-
-    def bulged(effect: effects.Effect) -> effects.Effect:
-        nonlocal last
-        start = last
-        if isinstance(effect, effects.MoveJ | effects.MoveL | effects.MoveC):
-            last = effect.target.trans
-        if not isinstance(effect, effects.MoveC):
-            return effect
-        chord = 0.5 * (_vector(start) + _vector(effect.target.trans))
-        outwards = _vector(effect.via.trans) - chord
-        length = float(np.linalg.norm(outwards))
-        if length < 1e-6:
-            return effect
-        x, y, z = (_vector(effect.via.trans) + size_mm * outwards / length).tolist()
-        return replace(effect, via=replace(effect.via, trans=data.Pos(x, y, z)))
-
-    return bulged
-
-
-def _vector(position: data.Pos) -> FloatArray:
-    return np.array([position.x, position.y, position.z])
-
-
-def _zone_as_fine(share: float) -> EffectFilter:
-    def lost(effect: effects.Effect) -> effects.Effect:
-        if not isinstance(effect, effects.MoveAbsJ | effects.MoveJ | effects.MoveL | effects.MoveC) or effect.zone.finep:
-            return effect
-        if share >= 1:
-            return replace(effect, zone=replace(effect.zone, finep=True))
-        return _scaled_zone(effect, 1 - share)
-
-    return lost
-
-
-def _scaled_zone(effect: effects.Motion, factor: float) -> effects.Motion:
-    zone = effect.zone
-    scaled = replace(zone, pzone_tcp=factor * zone.pzone_tcp, pzone_ori=factor * zone.pzone_ori)
-    return replace(effect, zone=scaled, zone_mm=None if effect.zone_mm is None else factor * effect.zone_mm)
-
-
-def _zone_size(per_cent: float) -> EffectFilter:
-    def resized(effect: effects.Effect) -> effects.Effect:
-        if not isinstance(effect, effects.MoveAbsJ | effects.MoveJ | effects.MoveL | effects.MoveC):
-            return effect
-        return _scaled_zone(effect, max(1 + per_cent / 100, 0.0))
-
-    return resized
-
-
-def _speed(per_cent: float) -> EffectFilter:
-    factor = 1 + per_cent / 100
-
-    def faster(effect: effects.Effect) -> effects.Effect:
-        if not isinstance(effect, effects.MoveAbsJ | effects.MoveJ | effects.MoveL | effects.MoveC):
-            return effect
-        speed = replace(effect.speed, v_tcp=factor * effect.speed.v_tcp, v_ori=factor * effect.speed.v_ori)
-        return replace(effect, speed=speed, tcp_speed=None if effect.tcp_speed is None else factor * effect.tcp_speed)
-
-    return faster
+    return lambda time: np.asarray(np.sum([np.zeros(6), *(offset(time) for offset in offsets)], axis=0))
 
 
 def _late_orientation(share: float) -> OrientationLaw:
@@ -226,20 +122,26 @@ def _late_orientation(share: float) -> OrientationLaw:
     return law
 
 
+def wider_limits(angle_deg: float) -> Callable[[RobotModel], RobotModel]:
+    """Gives a change of the robot model: every axis believed to turn so much further, both ways."""
+    wider = np.radians(angle_deg)
+    return lambda model: replace(model, lower=model.lower - wider, upper=model.upper + wider)
+
+
 KINDS = {
     kind.name: kind
     for kind in (
-        FaultKind("wrong-work-object", "the work object is turned about its z axis", "interpreter", "deg", 5.0, _wrong_work_object),
-        FaultKind("wrong-tool", "the tool is taken for longer than it is", "interpreter", "mm", 10.0, _wrong_tool),
-        FaultKind("target-offset", "every target is shifted along the work object's x axis", "interpreter", "mm", 10.0, _target_offset),
+        FaultKind("wrong-work-object", "the work object is turned about its z axis", "interpreter", "deg", 5.0, bugs.wrong_work_object),
+        FaultKind("wrong-tool", "the tool is taken for longer than it is", "interpreter", "mm", 10.0, bugs.wrong_tool),
+        FaultKind("target-offset", "every target is shifted along the work object's x axis", "interpreter", "mm", 10.0, bugs.target_offset),
         FaultKind(
-            "axis-sign", "y of every target is mirrored; a share below 1 mirrors it in part", "interpreter", "share", 1.0, _axis_sign
+            "axis-sign", "y of every target is mirrored; a share below 1 mirrors it in part", "interpreter", "share", 1.0, bugs.axis_sign
         ),
-        FaultKind("circle-radius", "the middle of every arc lies too far out", "planner", "mm", 10.0, _circle_radius),
-        FaultKind("zone-as-fine", "zones lose a share of their size; 1 is a stop point", "planner", "share", 1.0, _zone_as_fine),
-        FaultKind("zone-size", "zones are too large (or, negative, too small)", "planner", "per cent", 100.0, _zone_size),
-        FaultKind("speed", "programmed speeds are off", "planner", "per cent", 5.0, _speed),
-        FaultKind("joint-offset", "axis 3 is not where the controller believes it", "servo", "deg", 3.0, make_offset=_axis_3_off),
+        FaultKind("circle-radius", "the middle of every arc lies too far out", "planner", "mm", 10.0, bugs.circle_radius),
+        FaultKind("zone-as-fine", "zones lose a share of their size; 1 is a stop point", "planner", "share", 1.0, bugs.zone_as_fine),
+        FaultKind("zone-size", "zones are too large (or, negative, too small)", "planner", "per cent", 100.0, bugs.zone_size),
+        FaultKind("speed", "programmed speeds are off", "planner", "per cent", 5.0, bugs.speed),
+        FaultKind("joint-offset", "axis 3 is not where the controller believes it", "servo", "deg", 3.0, make_offset=servo.axis_3_off),
         FaultKind(
             "orientation-not-interpolated",
             "the tool keeps its orientation for this share of a move, then turns in what is left",
@@ -248,6 +150,25 @@ KINDS = {
             0.9,
             make_law=_late_orientation,
         ),
+        FaultKind(
+            "work-object-ignored",
+            "a share of the work object's place is lost; 1 is the base",
+            "interpreter",
+            "share",
+            0.1,
+            bugs.work_object_ignored,
+        ),
+        FaultKind("object-frame-inverted", "the object frame is inverted", "interpreter", "share", 1.0, bugs.object_frame_inverted),
+        FaultKind("frame-order", "user and object frame are composed the wrong way round", "interpreter", "share", 1.0, bugs.frame_order),
+        FaultKind("tool-inverted", "the tool is inverted; a share of .5 ignores it", "interpreter", "share", 1.0, bugs.tool_inverted),
+        FaultKind("wrong-arc", "arcs are run on the other side of their chord", "planner", "share", 1.0, bugs.wrong_arc),
+        FaultKind("wait-time", "WaitTime is too long", "interpreter", "per cent", 20.0, bugs.wait_time),
+        FaultKind("joint-limit-ignored", "axes may turn beyond their range", "planner", "deg", 30.0, make_model=wider_limits),
+        FaultKind("speed-dip", "the speed sags in every zone", "interpolator", "per cent", 20.0, make_playback=servo.speed_dip),
+        FaultKind("hiccup", "the motion halts within moves", "interpolator", "ms", 40.0, make_playback=servo.hiccup),
+        FaultKind("late-start", "every motion comes late", "interpolator", "ms", 150.0, make_playback=servo.late),
+        FaultKind("overshoot", "the arm runs past stops by so much of its speed", "servo", "ms", 25.0, make_playback=servo.overshoot),
+        FaultKind("joint-drift", "axis 1 drifts with time", "servo", "deg/min", 0.2, make_offset=servo.axis_1_drifts),
     )
 }
 """All kinds of faults by name."""

@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from mitl.controllers.faults import Fault, effect_filter, joint_offset, orientation_law
+from mitl.controllers.faults import Fault, effect_filter, joint_offset, orientation_law, playback, robot_model
 from mitl.errors import MotionError, RigError
 from mitl.motion.chain import Planner
 from mitl.motion.program_run import ProgramRun, joints_home
@@ -34,8 +34,9 @@ class SimulatedController:
     """
 
     def __init__(self, model: RobotModel, faults: Sequence[Fault] = ()) -> None:
-        self._model = model
+        self._model = model = robot_model(model, faults)
         self._faults = tuple(faults)
+        self._playback = playback(faults)
         self._joint_offset = joint_offset(faults)
         self._planner = Planner(model, orientation_law=orientation_law(faults))
         self._clock: Clock | None = None
@@ -93,7 +94,7 @@ class SimulatedController:
 
     def joints_at(self, time: float) -> FloatArray:
         """Gives the joints (6,) rad of the arm at `time` s."""
-        return self._record.joints_at(time - self._origin) + self._joint_offset
+        return self._playback(self._record, time - self._origin) + self._joint_offset(time)
 
     # --- Controller ----------------------------------------------------------------------------------------------------------
 

@@ -15,7 +15,7 @@ from mitl.engine.recorder import CaseRecorder
 from mitl.errors import RigError
 from mitl.metrics.glitch import without_glitches
 from mitl.paths import FloatArray, PosePath
-from mitl.protocols import AveragedPoint, Clock, Controller, ExecutionState, Oracle, Rig, Tracker
+from mitl.protocols import AveragedPoint, Clock, Controller, ExecutionState, LoggedEvent, Oracle, Rig, Tracker
 from mitl.recording.records import PoseTrack
 
 STILL = 0.3
@@ -173,6 +173,24 @@ class Bench:
         self._order(option, sub_option, variables or {}, timeout)
         self.clock.wait(settle)
         return oracle
+
+    def provoke(
+        self, option: int, sub_option: int = 0, *, variables: Mapping[str, str] | None = None, timeout: float = 10.0
+    ) -> list[LoggedEvent]:
+        """Gives an order that the controller must refuse; gives what its event log says of it, empty where it did not refuse.
+
+        Waits until the controller has stopped by itself, or until the order is done. The program is loaded again for what follows.
+        """
+        self.start()
+        known = len(self.controller.event_log())
+        try:
+            order(self.rig, option, sub_option, variables=variables or {}, timeout=timeout)
+        except RigError:
+            return [event for event in self.controller.event_log()[known:] if event.level != "info"]
+        finally:
+            self.controller.stop()
+            self._loaded = False
+        return []
 
     def _order(self, option: int, sub_option: int, variables: Mapping[str, str], timeout: float) -> None:
         """Gives an order; one that is not done stops the robot, and the program is loaded again for what may follow."""

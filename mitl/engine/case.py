@@ -23,6 +23,7 @@ class CaseInfo:
     """What a case says about itself.
 
     program: the RAPID file, or None. catches: names of the faults that must make it FAIL. typical_s: how long it usually takes at the rig.
+    long: it takes hours, and is run only where it is asked for by its id or with --long.
     """
 
     id: str
@@ -33,6 +34,7 @@ class CaseInfo:
     catches: tuple[str, ...] = ()
     program: Path | None = None
     typical_s: float = 60.0
+    long: bool = False
 
 
 def case(
@@ -45,6 +47,7 @@ def case(
     catches: Sequence[str] = (),
     program: str | None = None,
     typical_s: float = 60.0,
+    long: bool = False,
 ) -> Callable[[_Function], _Function]:
     """Gives the decorator that declares a test function as the case `case_id`, e.g. "atc-1/linear".
 
@@ -60,7 +63,7 @@ def case(
             file = Path(inspect.getfile(function)).resolve().parent / program
             if not file.is_file():
                 raise UsageError(f"case {case_id}: its program {file} does not exist")
-        info = CaseInfo(case_id, title, purpose, requirement, limit_source, tuple(catches), file, typical_s)
+        info = CaseInfo(case_id, title, purpose, requirement, limit_source, tuple(catches), file, typical_s, long)
         marked: _Function = pytest.mark.mitl_case(info)(function)
         return marked
 

@@ -5,19 +5,25 @@ from __future__ import annotations
 from collections.abc import Sequence
 from difflib import get_close_matches
 
-from mitl.engine.case import matches
+from mitl.engine.case import CaseInfo, matches
 from mitl.errors import UsageError
 
 
-def select(ids: Sequence[str], wanted: Sequence[str]) -> set[str]:
-    """Gives the ids that are meant; without `wanted`, all. Raises UsageError for a name that means none, with those that are near."""
+def select(cases: Sequence[CaseInfo], wanted: Sequence[str], *, long: bool = False) -> set[str]:
+    """Gives the ids that are meant; without `wanted`, all.
+
+    Cases that take hours are left out unless `long`, or asked for by their own id. Raises UsageError for a name that means none, with
+    those that are near.
+    """
+    ids = [case.id for case in cases]
+    usual = {case.id for case in cases if long or not case.long}
     chosen: set[str] = set()
     for name in wanted:
         meant = {case_id for case_id in ids if matches(case_id, name.strip().rstrip("/"))}
         if not meant:
             raise UsageError(f"unknown case {name!r}: {_hint(ids, name)}")
-        chosen |= meant
-    return chosen if wanted else set(ids)
+        chosen |= (meant & usual) or meant
+    return chosen if wanted else usual
 
 
 def _hint(ids: Sequence[str], name: str) -> str:

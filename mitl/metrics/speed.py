@@ -13,6 +13,7 @@ from mitl.paths import FloatArray, PosePath
 Indices = NDArray[np.intp]
 
 SMOOTHING = 0.04  # s, default window of the moving regression
+_PARTS = 8  # parts of a stretch whose means tell its noise
 _BLOCK = 256  # samples whose windows are summed together
 
 
@@ -101,6 +102,32 @@ def path_speed(path: PosePath, start: float, stop: float, window: float = SMOOTH
     duration = float(time[-1] - time[0])
     noise = window_noise(time, speeds[:, None], window)
     return MeanSpeed(float(speeds.mean()), noise / np.sqrt(max(1.0, duration / window)), duration, int(chosen.sum()))
+
+
+def speed_difference(
+    expected: PosePath, measured: PosePath, start: float, stop: float, *, around: float, window: float = SMOOTHING
+) -> MeanSpeed:
+    """Gives by how much a measured path is faster than an expected one between two times in s; both on one clock.
+
+    The same moving regression is taken of both, so that chords, filters and corners cancel; what counts is the speed in the expected
+    direction. The noise is that of the difference from `around` s before to `around` s after: a zone alone is too short to show it.
+    Raises ValueError for fewer than three valid samples.
+    """
+    valid = measured.only_valid().between(start - around, stop + around)
+    chosen = (valid.time >= start) & (valid.time <= stop)
+    if chosen.sum() < 3:
+        raise ValueError(f"expected at least 3 valid samples between {start:.3f} and {stop:.3f} s, got {int(chosen.sum())}")
+    fields = velocity(expected, window)
+    there = np.stack([np.interp(valid.time, expected.time, fields[:, axis]) for axis in range(3)], axis=1)
+    quick = np.linalg.norm(there, axis=1)
+    # along the expected direction: the size of a noisy velocity is too large, the more so the slower it is
+    direction = there / np.maximum(quick, 1e-6)[:, None]
+    difference = np.sum(velocity(valid, window) * direction, axis=1) - quick
+    time = valid.time[chosen]
+    duration = float(time[-1] - time[0])
+    part = max(window, min(duration, float(valid.time[-1] - valid.time[0]) / _PARTS))
+    noise = window_noise(valid.time, difference[:, None], part) / np.sqrt(max(1.0, duration / part))
+    return MeanSpeed(float(difference[chosen].mean()), float(noise), duration, int(chosen.sum()))
 
 
 def _slope_noise(residual: FloatArray, square: float) -> float:

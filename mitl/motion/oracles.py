@@ -14,12 +14,13 @@ from scipy.spatial.transform import RigidTransform
 
 import rapid_interp
 from mitl.errors import MitlError
+from mitl.motion.accuracy import load_accuracy
 from mitl.motion.offline import fixed_tool_path, programmed_moves, run_until, start_run
 from mitl.motion.program_run import ProgramRun
 from mitl.motion.robot_model import RobotModel
 from mitl.paths import FloatArray
 from mitl.poses import pose_of
-from mitl.protocols import Oracle
+from mitl.protocols import Oracle, OracleAccuracy
 from rapid_interp import effects
 
 RATE = 250.0
@@ -34,6 +35,7 @@ class PlannedOracles:
 
     def __init__(self, model: RobotModel) -> None:
         self._model = model
+        self._accuracy = load_accuracy(model.folder)
         self._known: dict[tuple[tuple[Path, ...], tuple[tuple[str, str], ...]], Oracle] = {}
 
     def oracle(self, sources: Sequence[Path], variables: Mapping[str, str]) -> Oracle:
@@ -56,7 +58,7 @@ class PlannedOracles:
         reached = run_until(run, begins + _LONGEST, done=lambda _: looping and run.next_event() > begins and task.get(_ORDER) == 0)
         if not run.finished and reached >= begins + _LONGEST - _IDLE:
             raise MitlError(f"{sources[0]}: not done after {_LONGEST:g} s of the robot's time with {dict(variables)}")
-        return _cut(run, begins)
+        return _cut(run, begins, self._accuracy)
 
 
 def _bring_to_rest(run: ProgramRun) -> float:
@@ -65,7 +67,7 @@ def _bring_to_rest(run: ProgramRun) -> float:
     return run.next_event()
 
 
-def _cut(run: ProgramRun, begins: float) -> Oracle:
+def _cut(run: ProgramRun, begins: float, accuracy: OracleAccuracy) -> Oracle:
     """Gives the oracle of what a run did from `begins` s on; tool and work object are those of its first move with a work object."""
     moves = [executed for executed in run.record.moves if executed.begins >= begins]
     linear = [executed.move for executed in moves if not isinstance(executed.move.effect, effects.MoveAbsJ)]
@@ -78,6 +80,7 @@ def _cut(run: ProgramRun, begins: float) -> Oracle:
         wobj=pose_of(X_BO),
         moves=programmed_moves(run, moves, begins),
         signals={name: _changes(changes, begins) for name, changes in run.signals.items()},
+        accuracy=accuracy,
     )
 
 

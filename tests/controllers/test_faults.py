@@ -1,11 +1,15 @@
 """Faults: parsed strictly, and each changes the motion by about its size."""
 
+from dataclasses import dataclass, replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from mitl.controllers.faults import KINDS, effect_filter, joint_offset, orientation_law, parse_fault
+from mitl.controllers.faults import KINDS, effect_filter, joint_offset, orientation_law, parse_fault, playback, robot_model
 from mitl.errors import UsageError
 from mitl.motion.bridge import work_object_frame
+from mitl.motion.robot_model import load_robot_model
 from rapid_interp import data, effects
 
 AT = effects.SourceLine("M", "main", "m.mod", 1)
@@ -84,11 +88,84 @@ def test_late_turning_does_nothing_first_and_all_in_the_end():
     assert orientation_law([])(np.array([0.3])) == pytest.approx([0.3])
 
 
-def test_only_the_servo_fault_moves_the_axes():
-    assert np.degrees(joint_offset([parse_fault("joint-offset=2")])) == pytest.approx([0, 0, 2, 0, 0, 0])
-    assert not joint_offset([parse_fault(name) for name in KINDS if name != "joint-offset"]).any()
+def test_only_servo_faults_move_the_axes():
+    assert np.degrees(joint_offset([parse_fault("joint-offset=2")])(0.0)) == pytest.approx([0, 0, 2, 0, 0, 0])
+    assert np.degrees(joint_offset([parse_fault("joint-drift=3")])(20.0)) == pytest.approx([1, 0, 0, 0, 0, 0])
+    others = [parse_fault(name) for name in KINDS if name not in {"joint-offset", "joint-drift"}]
+    assert not joint_offset(others)(100.0).any()
 
 
 def test_faults_add_up():
     filtered = effect_filter([parse_fault("target-offset=1"), parse_fault("target-offset=2")])
     assert filtered(LINE).target.trans.x == 103
+
+
+SPLIT = data.WObjData(uframe=data.Pose(data.Pos(500, 0, 400)), oframe=data.Pose(data.Pos(), data.Orient(0.923879533, 0, 0, 0.382683432)))
+
+
+@pytest.mark.parametrize("name", [name for name, kind in KINDS.items() if kind.make_filter is not None and kind.unit != "share"])
+def test_a_filter_of_size_0_changes_nothing(name):
+    line = replace(LINE, wobj=SPLIT)
+    assert effect_filter([parse_fault(f"{name}=0")])(line) == line
+
+
+def test_work_object_and_tool_are_lost_inverted_or_composed_wrongly():
+    line = replace(LINE, wobj=SPLIT)
+    right = work_object_frame(SPLIT)
+    assert broken("work-object-ignored=0.5", line).wobj.uframe.trans == data.Pos(250, 0, 200)
+    assert broken("tool-inverted", line).tool.tframe.trans.z == -100
+    assert broken("tool-inverted=0.5", line).tool.tframe.trans.z == 0
+    inverted = work_object_frame(broken("object-frame-inverted", line).wobj)
+    assert np.degrees((right.inv() * inverted).rotation.as_rotvec()) == pytest.approx([0, 0, -90], abs=1e-6)
+    swapped = work_object_frame(broken("frame-order", line).wobj)
+    assert swapped.translation == pytest.approx([0.5 * np.sqrt(0.5), 0.5 * np.sqrt(0.5), 0.4])
+
+
+def test_an_arc_is_run_on_the_other_side():
+    via = broken("wrong-arc", LINE, ARC).via.trans
+    assert (via.x, via.y) == pytest.approx((50, 80))
+
+
+def test_a_wait_is_longer():
+    assert broken("wait-time=10", effects.Wait(AT, 2.0)).seconds == pytest.approx(2.2)
+
+
+def test_a_controller_that_ignores_limits_believes_in_wider_ones():
+    model = load_robot_model("irb140")
+    wider = robot_model(model, [parse_fault("joint-limit-ignored=10")])
+    assert np.degrees(wider.upper - model.upper) == pytest.approx([10] * 6)
+
+
+@dataclass(frozen=True)
+class Straight:
+    """One axis at 1 rad/s from 0 to 2 s, then at rest; a zone at 1 s."""
+
+    moves: tuple = (
+        SimpleNamespace(
+            begins=0.0, ends=1.0, move=SimpleNamespace(fine=False, zone=SimpleNamespace(radius=0.02), speed=SimpleNamespace(tcp=0.2))
+        ),
+        SimpleNamespace(begins=1.0, ends=2.0, move=SimpleNamespace(fine=True)),
+    )
+
+    def joints_at(self, time):
+        return np.array([min(max(time, 0.0), 2.0), 0, 0, 0, 0, 0])
+
+
+def angle(text, time):
+    return playback([parse_fault(text)])(Straight(), time)[0]
+
+
+def test_a_hiccup_halts_the_motion_for_its_size_and_makes_it_good():
+    assert angle("hiccup=50", 0.5) == pytest.approx(0.5)
+    assert angle("hiccup=50", 0.55) == pytest.approx(0.5)
+    assert angle("hiccup=50", 0.75) == pytest.approx(0.75)
+
+
+def test_the_speed_sags_in_a_zone_by_its_size_on_average():
+    assert angle("speed-dip=20", 1.1) - angle("speed-dip=20", 0.9) == pytest.approx(0.8 * 0.2)
+    assert angle("speed-dip=20", 1.3) == pytest.approx(1.3)
+
+
+def test_an_overshoot_passes_the_stop_and_comes_back():
+    assert angle("overshoot=25", 2.01) == pytest.approx(2.025)
+    assert angle("overshoot=25", 2.1) == pytest.approx(2.0)

@@ -108,8 +108,16 @@ def test_a_case_is_meant_by_whole_leading_parts(wanted, meant):
 
 
 def test_without_a_selection_all_are_meant_and_a_slash_at_the_end_does_no_harm():
-    assert select(["a/b", "a/c"], []) == {"a/b", "a/c"}
-    assert select(["a/b", "a/c", "d"], ["a/"]) == {"a/b", "a/c"}
+    cases = [CaseInfo(name, name) for name in ("a/b", "a/c", "d")]
+    assert select(cases[:2], []) == {"a/b", "a/c"}
+    assert select(cases, ["a/"]) == {"a/b", "a/c"}
+
+
+def test_a_case_that_takes_hours_is_run_only_where_it_is_asked_for():
+    cases = [CaseInfo("a/b", "short"), CaseInfo("a/c", "long", long=True)]
+    assert select(cases, []) == select(cases, ["a"]) == {"a/b"}
+    assert select(cases, ["a/c"]) == {"a/c"}
+    assert select(cases, [], long=True) == {"a/b", "a/c"}
 
 
 @given(st.text(max_size=200), st.text(max_size=200))

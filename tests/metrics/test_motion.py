@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from mitl.metrics.glitch import without_glitches
 from mitl.metrics.moving import moving_interval
-from mitl.metrics.speed import line_speed, path_speed, speed, velocity
+from mitl.metrics.speed import line_speed, path_speed, speed, speed_difference, velocity
 from mitl.metrics.stillness import is_still, jitter_diameter
 from mitl.paths import PosePath
 
@@ -181,3 +181,18 @@ def test_lost_samples_stay_lost_and_tiny_paths_stay():
     assert len(without_glitches(path.between(0, 0.004))) == 2
     sparse = path_of(np.arange(10.0), np.random.default_rng(1).normal(size=(10, 3)))
     assert without_glitches(sparse).valid.all()
+
+
+@pytest.mark.parametrize(("start", "stop"), [(1.5, 1.56), (1.5, 4.5)])
+def test_a_difference_of_speeds_is_known_as_well_as_it_says(start, stop):
+    expected = line_at(0.2)
+    found = [speed_difference(expected, line_at(0.204, noise=2e-4, seed=seed), start, stop, around=0.4) for seed in range(40)]
+    values = np.array([one.value for one in found])
+    spread, told = values.std(ddof=1), np.median([one.random for one in found])
+    assert values.mean() == pytest.approx(0.004, abs=3 * spread / np.sqrt(len(values)))
+    assert 0.5 * spread < told < 3.0 * spread
+
+
+def test_a_difference_of_speeds_needs_samples():
+    with pytest.raises(ValueError, match="got 0"):
+        speed_difference(line_at(0.2), line_at(0.2), 20.0, 21.0, around=0.4)

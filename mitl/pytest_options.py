@@ -1,0 +1,33 @@
+"""The options of the pytest plug-in, --mitl-...
+
+It is loaded in every pytest run of whoever has mitl installed: it imports nothing but pytest.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+_CALIBRATION_PROGRAM = Path(__file__).resolve().parent / "atc" / "calibration.mod"
+
+
+def add_options(parser: pytest.Parser) -> None:
+    """Adds the options of mitl to pytest's."""
+    group = parser.getgroup("mitl", "mitl: verify robot controllers")
+    group.addoption("--mitl-rig", default="sim", metavar="RIG", help="sim (default) or a rig.toml file")
+    group.addoption("--mitl-seed", default=1, type=int, metavar="N", help="seed of the simulated rig (default 1)")
+    group.addoption("--mitl-fault", action="append", default=[], metavar="NAME[=SIZE]", help="break the simulated controller on purpose")
+    group.addoption("--mitl-case", action="append", default=[], metavar="CASE", help="run only this case id, or those below it")
+    group.addoption(
+        "--mitl-calibration", default=str(_CALIBRATION_PROGRAM), metavar="FILE", help="RAPID program with the calibration poses"
+    )
+    group.addoption(
+        "--mitl-repeats",
+        default=3,
+        type=int,
+        metavar="N",
+        help="run an inconclusive case at most N times, as a sequential test (default 3)",
+    )
+    group.addoption("--mitl-long", action="store_true", help="also run cases that take hours")
+    group.addoption("--mitl-out", default=None, metavar="DIR", help="keep results.json, junit.xml, report.html and recordings here")
