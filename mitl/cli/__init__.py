@@ -26,6 +26,7 @@ COMMANDS = {
     "calibrate": "Calibrate tracker against robot.",
     "characterise": "Statistics of a tracker from its recordings.",
     "fit-tracker": "Fit a tracker preset to still recordings.",
+    "view": "Replay a recording or an oracle in 3-D.",
     "report": "Make the report of an earlier run again.",
     "serve": "Serve a virtual controller by Robot Web Services.",
 }

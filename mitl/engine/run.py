@@ -24,7 +24,7 @@ from mitl.protocols import Rig
 from mitl.recording.atomic import replacing
 from mitl.recording.records import Recording
 
-REPORT = "report.html"
+REPORT, REPLAY = "report.html", "replay.html"
 _PACKAGES = ("mitl", "numpy", "scipy", "drake", "ruckig", "mcap", "pytest")
 
 
@@ -167,7 +167,7 @@ def installed_versions() -> dict[str, str]:
 
 
 def _files_of_old_run(folder: Path) -> Sequence[str]:
-    own = [results.FILE_NAME, junit.FILE_NAME, REPORT, "calibration.toml", "calibration.mcap"]
+    own = [results.FILE_NAME, junit.FILE_NAME, REPORT, REPLAY, "calibration.toml", "calibration.mcap"]
     try:
         old = results.read_run(folder)
     except UsageError:

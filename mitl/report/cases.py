@@ -8,7 +8,6 @@ from pathlib import Path
 from mitl.engine.record import BudgetTerm, CaseRecord, CheckRecord
 from mitl.engine.wording import reason
 from mitl.errors import UsageError
-from mitl.metrics.decision import GUARD
 from mitl.outcome import Outcome
 from mitl.recording.mcap_reader import read_recording
 from mitl.report.timeline import MOST_RUNS, Timeline, timeline_of
@@ -127,7 +126,7 @@ def _gauge(check: CheckRecord) -> Gauge | None:
     if check.value is None or check.uncertainty is None:
         return None
     value = check.value if check.at_least else abs(check.value)
-    guard = GUARD * check.uncertainty
+    guard = check.guard * check.uncertainty
     full = 1.08 * max(value + guard, check.limit, 1e-12)
     low, middle, high, limit = (100.0 * min(1.0, max(0.0, x / full)) for x in (value - guard, value, value + guard, check.limit))
     return Gauge(round(middle, 2), round(low, 2), round(high, 2), round(limit, 2))

@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from pathlib import Path
-from typing import Any
 from urllib.parse import quote
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
-from markupsafe import Markup
 
 from mitl.calibration.result import Calibration
 from mitl.calibration.store import load_calibration
 from mitl.engine.results import read_run
 from mitl.errors import UsageError
 from mitl.outcome import Outcome
-from mitl.recording.atomic import replacing
 from mitl.report import assets
 from mitl.report.cases import SYMBOL, CaseView, case_view
+from mitl.report.data import json_in_page
+from mitl.report.replay import replay_page, write_page
+from mitl.report.takes import takes_of_run
 
 FILE_NAME = "report.html"
+REPLAY_NAME = "replay.html"
 _ORDER = (Outcome.FAIL, Outcome.ERROR, Outcome.INCONCLUSIVE, Outcome.PASS, Outcome.SKIPPED)
 _SCRIPTS = ("vendor/uplot.min.js", "vendor/zdog.min.js", "templates/plots.js", "templates/space.js", "templates/page.js")
 _MOST_POINTS, _LEAST_POINTS, _ALL_POINTS = 1500, 250, 70_000
@@ -29,11 +29,14 @@ _MOST_OPEN = 3
 
 
 def write_report(folder: Path) -> Path:
-    """Makes the report of a run's folder and gives its path. Raises UsageError where the folder holds no run."""
+    """Makes the report of a run's folder, the replay that it links to, and gives its path. Raises UsageError where there is no run."""
     target = folder / FILE_NAME
-    text = render(folder)
-    with replacing(target) as beside:
-        beside.write_text(text, encoding="utf-8")
+    run = read_run(folder)
+    takes = takes_of_run(run, folder)
+    if takes:
+        points = max(_LEAST_POINTS, min(_MOST_POINTS, _ALL_POINTS // len(takes)))
+        write_page(folder / REPLAY_NAME, replay_page(takes, points=points, back=FILE_NAME))
+    write_page(target, render(folder))
     return target
 
 
@@ -47,7 +50,7 @@ def render(folder: Path) -> str:
     environment = Environment(
         loader=PackageLoader("mitl.report"), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
-    environment.filters.update(number=_number, share=_share, times=_times, duration=_duration, href=quote, data=_data)
+    environment.filters.update(number=_number, share=_share, times=_times, duration=_duration, href=quote, data=json_in_page)
     return environment.get_template("report.html").render(
         run=run,
         cases=views,
@@ -55,6 +58,7 @@ def render(folder: Path) -> str:
         to_look_at=[view for outcome in _ORDER[:3] for view in _worst_first(views) if view.case.outcome is outcome],
         open=_open(views),
         symbol=SYMBOL,
+        replay=REPLAY_NAME,
         programs=programs,
         program_of={
             view.anchor: programs.index((view.case.program or "program", view.case.source))
@@ -62,7 +66,7 @@ def render(folder: Path) -> str:
             if view.case.source is not None
         },
         calibration=_calibration(folder),
-        style=assets.style("vendor/uplot.min.css", "templates/style.css"),
+        style=assets.style("vendor/uplot.min.css", "templates/theme.css", "templates/style.css"),
         scripts=assets.script(*_SCRIPTS),
         policy=assets.policy(*_SCRIPTS),
     )
@@ -83,12 +87,6 @@ def _calibration(folder: Path) -> Calibration | None:
         return load_calibration(folder / "calibration.toml")
     except UsageError:
         return None
-
-
-def _data(value: Any) -> Markup:  # noqa: ANN401 - whatever JSON can say
-    """Gives JSON that is safe inside a script element: it can neither end it nor begin a comment."""
-    text = json.dumps(value, ensure_ascii=True, allow_nan=False, separators=(",", ":"))
-    return Markup(text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026"))  # noqa: S704 - no markup is left in it
 
 
 def _number(value: float | None, digits: int = 4) -> str:

@@ -14,29 +14,31 @@ import numpy as np
 
 from mitl.engine.case_recording import RecordedRun, runs_of
 from mitl.engine.record import CaseRecord, CheckRecord
-from mitl.metrics.decision import GUARD
 from mitl.metrics.path import nearest_distance
 from mitl.metrics.speed import velocity
 from mitl.paths import FloatArray, PosePath
 from mitl.recording.records import LogMessage, Recording, Series
 from mitl.report.columns import packed
+from mitl.report.data import MOST_TEXT, events_of, finite, moves_of, positions_at, signals_of
 from mitl.report.decimation import keep_extremes, with_gaps
 
 MOST_RUNS = 8
 """Runs of a case that are drawn; the recording has all of them."""
-_MOST_TEXT = 500
-_MOST_EVENTS = 200
 _SMOOTHING = 0.1
 """Seconds over which a tracker's positions are fitted to show a speed; shorter windows show its noise."""
 
 
 @dataclass(frozen=True)
 class Timeline:
-    """data: JSON values for the page. runs: how many the recording holds. alt: the same in words, for those who do not see it."""
+    """data: JSON values for the page. runs: how many the recording holds. alt: the same in words, for those who do not see it.
+
+    placed: whether a run tells where its work object is, so that it can be replayed beside the robot.
+    """
 
     data: dict[str, Any]
     runs: int
     alt: str
+    placed: bool
 
 
 def timeline_of(case: CaseRecord, recording: Recording, points: int) -> Timeline | None:
@@ -52,7 +54,8 @@ def timeline_of(case: CaseRecord, recording: Recording, points: int) -> Timeline
         _run(case, run, [(check, recording.series[check.series or ""]) for check in own], recording.log, per_run)
         for run, own in zip(shown or [RecordedRun("", None, None, None)], mine, strict=True)
     ]
-    return Timeline({"runs": drawn}, len(runs), " ".join(_alt(run, own) for run, own in zip(shown, mine, strict=False)) or _words(checks))
+    alt = " ".join(_alt(run, own) for run, own in zip(shown, mine, strict=False)) or _words(checks)
+    return Timeline({"runs": drawn}, len(runs), alt, any(run.X_BO is not None for run in shown))
 
 
 def _with_series(checks: Sequence[CheckRecord], recording: Recording) -> list[CheckRecord]:
@@ -78,24 +81,22 @@ def _run(
         "path": _path(run, points),
         "limit": limit,
         "checks": [_check(check, series, points) for check, series in checks],
-        "moves": _changes(run.moves, "line", run.shift),
-        "signals": []
-        if run.signals is None
-        else [{"name": name, "at": _changes(run.signals, name, run.shift)} for name in run.signals.columns],
-        "events": [] if run.began is None else _events(log, run),
+        "moves": moves_of(run),
+        "signals": signals_of(run),
+        "events": events_of(run, log),
     }
 
 
 def _path(run: RecordedRun, points: int) -> dict[str, Any] | None:
     """Gives measured and expected positions, speeds and their distance at the same times; None where there is neither."""
-    tool = None if run.tool is None else _finite(run.tool.shifted(-run.shift))
-    oracle = None if run.oracle is None else _finite(run.oracle.shifted(-run.shift))
+    tool = None if run.tool is None else finite(run.tool.shifted(-run.shift))
+    oracle = None if run.oracle is None else finite(run.oracle.shifted(-run.shift))
     lead = tool if tool is not None else oracle
     if lead is None:
         return None
     gap = np.full((len(lead), 3), np.nan)
     measured = gap if tool is None else 1e3 * tool.position
-    expected = gap if oracle is None else 1e3 * _at(oracle, lead.time)
+    expected = gap if oracle is None else 1e3 * positions_at(oracle, lead.time)
     distance = 1e3 * nearest_distance(oracle.position, tool.position) if tool is not None and oracle is not None else gap[:, 0]
     speeds = [_speed(tool, lead.time, _SMOOTHING), _speed(oracle, lead.time, 0.0)]
     table = np.column_stack([measured, expected, distance, *speeds])
@@ -104,16 +105,6 @@ def _path(run: RecordedRun, points: int) -> dict[str, Any] | None:
     telling = [6, 7, 8] if tool is not None and oracle is not None else [0, 1, 2, 7] if tool is not None else [3, 4, 5, 8]
     chosen = keep_extremes(table[:, telling], max(points, 24))
     return {"t": packed(time[chosen]), **{name: packed(column) for name, column in zip(columns, table[chosen].T, strict=True)}}
-
-
-def _finite(path: PosePath) -> PosePath | None:
-    chosen = path.select(path.valid & np.isfinite(path.position).all(axis=1))
-    return chosen if len(chosen) > 1 else None
-
-
-def _at(path: PosePath, time: FloatArray) -> FloatArray:
-    """Gives positions (N, 3) in m at times (N,): at rest before the path begins and after it ends."""
-    return np.column_stack([np.interp(time, path.time, column) for column in path.position.T])
 
 
 def _speed(path: PosePath | None, time: FloatArray, window: float) -> FloatArray:
@@ -128,32 +119,15 @@ def _check(check: CheckRecord, series: Series, points: int) -> dict[str, Any]:
     time, rows = with_gaps(series.time, series.values[:, :1])
     chosen = keep_extremes(rows, max(points // 2, 24))
     return {
-        "name": check.name[:_MOST_TEXT],
+        "name": check.name[:MOST_TEXT],
         "unit": check.unit[:40],
         "limit": check.limit,
-        "guard": GUARD * (check.uncertainty or 0.0),
+        "guard": check.guard * (check.uncertainty or 0.0),
         "atLeast": check.at_least,
         "outcome": check.outcome.value,
         "t": packed(time[chosen]),
         "v": packed(rows[chosen, 0]),
     }
-
-
-def _changes(series: Series | None, column: str, shift: float) -> list[list[float]]:
-    """Gives [time, value] wherever a column changes."""
-    if series is None or column not in series.columns or not len(series.time):
-        return []
-    values = series.column(column)
-    first = np.flatnonzero(np.concatenate([[True], np.diff(values) != 0.0]))[:4000]
-    return [[round(float(time), 4), float(value)] for time, value in zip(series.time[first] - shift, values[first], strict=True)]
-
-
-def _events(log: Sequence[LogMessage], run: RecordedRun) -> list[list[Any]]:
-    """Gives [time, level, text, source] of what was said from a second before the order to a second after the run."""
-    began = run.began or 0.0
-    ends = max((float(path.time[-1]) - run.shift for path in (run.tool, run.oracle) if path is not None and len(path)), default=0.0)
-    found = [event for event in log if -1.0 <= event.time - began <= ends + 1.0]
-    return [[round(event.time - began, 3), event.level[:20], event.text[:_MOST_TEXT], event.source[:60]] for event in found[:_MOST_EVENTS]]
 
 
 def _alt(run: RecordedRun, checks: list[CheckRecord]) -> str:
@@ -167,7 +141,7 @@ def _words(checks: list[CheckRecord]) -> str:
 
 
 def _extent(name: str, path: PosePath | None) -> str:
-    path = None if path is None else _finite(path)
+    path = None if path is None else finite(path)
     if path is None:
         return ""
     low, high = 1e3 * path.position.min(axis=0), 1e3 * path.position.max(axis=0)
