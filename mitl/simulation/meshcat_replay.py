@@ -69,6 +69,8 @@ def open_meshcat(port: int | None) -> Meshcat:
 
 def publish(meshcat: Meshcat, animation: Animation) -> None:
     """Shows an animation; the browser's controls play it and move its time."""
+    middle = np.nanmean(np.vstack([curve.points for curve in animation.curves]), axis=0) if animation.curves else np.zeros(3)
+    meshcat.SetCameraPose(_array(0.6 * middle + np.array([1.1, -1.3, 0.8])), _array(0.6 * middle))
     for curve in animation.curves:
         meshcat.SetLine(f"paths/{curve.name}", _array(curve.points.T), curve.width, Rgba(*curve.colour, 1.0))
     for marker in animation.markers:

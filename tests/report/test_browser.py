@@ -125,7 +125,7 @@ def test_filters_search_and_links_find_cases(page, report):
     assert shown.count() == 1
     page.locator("#search").fill("")
     page.locator("table.cases a", has_text="b/passed-1").click()
-    assert page.locator("#case-1 details.case").get_attribute("open") is not None
+    page.locator("#case-1 details.case[open]").wait_for()
 
 
 def test_the_keyboard_reaches_and_works_everything(page, report):
