@@ -1,0 +1,212 @@
+"""OpenVrTracker: a device of SteamVR. Implements Tracker; `samples` tells result codes, buttons and native velocity with every sample.
+
+Invariant: every sample keeps what the runtime said of it; nothing that was measured in another session of SteamVR counts as valid, because
+its frame may have moved by centimetres (facts/tracker.md).
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from mitl.errors import RigError
+from mitl.metrics.path_queries import average
+from mitl.paths import PosePath
+from mitl.protocols import AveragedPoint, Clock
+from mitl.samples import TrackerSamples
+from mitl.trackers.openvr_runtime import POSE, DeviceInfo, OpenVrRuntime, RuntimeGoneError
+from mitl.trackers.sampling import Sampler, SamplingStatistics
+
+RATE = 250.0
+SETTLE = 0.2
+"""Seconds from a call of `average` to its window: motion blur of the pose filter and of the mount has died away by then."""
+_RECORD = np.dtype([("time", "<f8"), ("pose", POSE), ("buttons", "<u8"), ("session", "<i4")])
+_FRESH = 0.1
+"""Seconds after which the last sample is no longer the present one."""
+_RECONNECT_EVERY, _LOOK_FOR_QUIT = 1.0, 0.1
+_BUTTONS = 0x7FFF
+
+
+class OpenVrTracker:
+    """A device by its serial number, or the only controller or tracker there is.
+
+    connect: makes the runtime, also again after SteamVR quit. clock: the rig's, for waits. now: clock of the samples.
+    """
+
+    def __init__(
+        self,
+        connect: Callable[[], OpenVrRuntime],
+        clock: Clock,
+        *,
+        serial: str = "",
+        rate: float = RATE,
+        settle: float = SETTLE,
+        now: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._connect = connect
+        self._clock = clock
+        self._settle = settle
+        self._now = now
+        self._wanted = serial
+        self._runtime: OpenVrRuntime | None = connect()
+        self.device = chosen(self._runtime.devices(), serial)
+        self._lock = threading.Lock()
+        self._recording = False
+        self._recorded: bytearray | None = None
+        self._averaging: bytearray | None = None
+        self._last = b""
+        self._session = 0
+        self._quit_seen = self._tried = 0.0
+        self._sampler = Sampler(self._take, rate, now)
+        self._sampler.start()
+
+    # --- Tracker -------------------------------------------------------------------------------------------------------------
+
+    def start(self) -> None:
+        """Starts recording a new path."""
+        self._refuse_if_lost()
+        with self._lock:
+            self._recorded, self._recording = bytearray(), True
+
+    def stop(self) -> PosePath:
+        """Stops recording and gives the whole path."""
+        path = self.path()
+        self._recording = False
+        return path
+
+    def path(self) -> PosePath:
+        """Gives the path so far, while recording or after."""
+        return self.samples().path
+
+    def samples(self) -> TrackerSamples:
+        """Gives the path so far with result codes, buttons and the device's own velocity."""
+        with self._lock:
+            if self._recorded is None:
+                raise RigError("the tracker was not started: call start() before asking for a path")
+            content = bytes(self._recorded)
+        return decoded(content)
+
+    def latest(self) -> PosePath:
+        """Gives the most recent sample as a path of length one."""
+        self._refuse_if_lost()
+        with self._lock:
+            content = self._recent()
+        path = decoded(content).path
+        if not len(path) or self._now() - float(path.time[0]) > _FRESH:
+            raise RigError("the tracker gives no samples: is SteamVR running?")
+        if not path.valid[0]:
+            raise RigError(f"the tracker is lost: its sample at {path.time[0]:.3f} s is not valid")
+        return path
+
+    def average(self, seconds: float) -> AveragedPoint:
+        """Measures a still point for `seconds` of the rig's time, a little from now on; recording may go on meanwhile."""
+        self._refuse_if_lost()
+        self._clock.wait(self._settle)
+        with self._lock:
+            self._averaging = bytearray()
+        self._clock.wait(seconds)
+        with self._lock:
+            content, self._averaging = bytes(self._averaging), None
+        window = decoded(content).path
+        if not window.valid.any():
+            raise RigError(f"the tracker is lost: none of {len(window)} samples in {seconds} s is valid{self._why()}")
+        return average(window)
+
+    # --- beyond Tracker ------------------------------------------------------------------------------------------------------
+
+    @property
+    def restarted(self) -> bool:
+        """Whether SteamVR was restarted since this tracker was made; its samples count as invalid since then."""
+        return self._session > 0
+
+    def statistics(self) -> SamplingStatistics:
+        """Gives how the sampling goes."""
+        return self._sampler.statistics()
+
+    def close(self) -> None:
+        """Ends the sampling and leaves SteamVR."""
+        self._sampler.stop()
+        if self._runtime is not None:
+            self._runtime.close()
+            self._runtime = None
+
+    # -------------------------------------------------------------------------------------------------------------------------
+
+    def _recent(self) -> bytes:
+        """Gives the last sample; while recording, the last of the path, so that both agree."""
+        return bytes(self._recorded[-_RECORD.itemsize :]) if self._recording and self._recorded else self._last
+
+    def _take(self, now: float) -> None:
+        """Takes one sample, in the sampling thread."""
+        pose, buttons = self._read(now)
+        record = np.float64(now).tobytes() + pose + np.uint64(buttons).tobytes() + np.int32(self._session).tobytes()
+        with self._lock:
+            self._last = record
+            if self._recording and self._recorded is not None:
+                self._recorded += record
+            if self._averaging is not None:
+                self._averaging += record
+
+    def _read(self, now: float) -> tuple[bytes, int]:
+        if self._runtime is None:
+            self._reconnect(now)
+        if self._runtime is not None and now - self._quit_seen > _LOOK_FOR_QUIT:
+            self._quit_seen = now
+            if self._runtime.has_quit():
+                self._runtime.close()
+                self._runtime, self._session, self._tried = None, self._session + 1, now
+        return (bytes(POSE.itemsize), 0) if self._runtime is None else self._runtime.read(self.device.index)
+
+    def _reconnect(self, now: float) -> None:
+        if now - self._tried < _RECONNECT_EVERY:
+            return
+        self._tried = now
+        try:
+            runtime = self._connect()
+        except RuntimeGoneError:
+            return
+        self._runtime = runtime
+        self.device = chosen(runtime.devices(), self.device.serial)
+
+    def _refuse_if_lost(self) -> None:
+        if not self._sampler.alive:
+            raise RigError(f"the tracker's sampling has ended: {self._sampler.problem or 'it was closed'}") from self._sampler.problem
+        if self.restarted:
+            raise RigError(f"the tracker is lost{self._why()}")
+
+    def _why(self) -> str:
+        return ": SteamVR quit or was restarted, so its frame may have moved; start it, then calibrate again" if self.restarted else ""
+
+
+def chosen(devices: list[DeviceInfo], serial: str) -> DeviceInfo:
+    """Gives the device of a serial number, or the only controller or tracker. Raises RigError saying what there is."""
+    usable = [device for device in devices if device.kind in ("controller", "tracker")]
+    matching = [device for device in usable if not serial or device.serial == serial]
+    shown = ", ".join(f"{device.serial} ({device.kind}, role {device.role})" for device in usable) or "none"
+    if not matching:
+        raise RigError(f"no device {serial or 'to track'} at SteamVR; it has: {shown}")
+    if len(matching) > 1:
+        raise RigError(f"several devices at SteamVR, name one by its serial in the rig file: {shown}")
+    return matching[0]
+
+
+def decoded(content: bytes) -> TrackerSamples:
+    """Gives samples from their bytes; those without a place are told as (0, 0, 0), not turned, and not valid."""
+    records = np.frombuffer(content, dtype=_RECORD)
+    later = np.concatenate([[True], np.diff(records["time"]) > 0]) if len(records) else np.zeros(0, dtype=np.bool_)
+    records = records[later]
+    matrix = records["pose"]["matrix"].astype(np.float64)
+    position, turn = matrix[:, :, 3], matrix[:, :, :3]
+    proper = np.abs(np.linalg.det(turn) - 1.0) < 1e-2
+    quaternion = np.tile([1.0, 0.0, 0.0, 0.0], (len(records), 1))
+    if proper.any():
+        quaternion[proper] = Rotation.from_matrix(turn[proper]).as_quat(canonical=True, scalar_first=True)
+    placed = proper & np.any(position != 0.0, axis=1)
+    valid = placed & records["pose"]["valid"] & records["pose"]["connected"] & (records["session"] == 0)
+    path = PosePath(records["time"].astype(np.float64), position, quaternion, valid)
+    buttons = (records["buttons"] & _BUTTONS).astype(np.int16)
+    return TrackerSamples(path, records["pose"]["result"].astype(np.int16), buttons, records["pose"]["velocity"].astype(np.float64))

@@ -1,0 +1,76 @@
+"""Sampler: takes samples at a fixed rate in a thread of its own, against absolute deadlines.
+
+Invariant: deadline n is start + n / rate, so nothing adds up; a sample that cannot be taken within its period is counted as lost, and the
+next is taken at its own deadline.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+_JOIN = 5.0
+
+
+@dataclass(frozen=True)
+class SamplingStatistics:
+    """How the sampling went: samples taken, deadlines missed by a whole period, greatest lateness in s."""
+
+    taken: int
+    lost: int
+    latest: float
+
+
+class Sampler:
+    """Calls `take(now)` at `rate` Hz. now: the clock that the deadlines are on, which `take` is given the reading of."""
+
+    def __init__(self, take: Callable[[float], None], rate: float, now: Callable[[], float] = time.monotonic) -> None:
+        if not 1.0 <= rate <= 1000.0:
+            raise ValueError(f"expected a rate of 1 to 1000 Hz, got {rate}")
+        self._take = take
+        self._period = 1.0 / rate
+        self._now = now
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="tracker-sampling", daemon=True)
+        self._taken = self._lost = 0
+        self._latest = 0.0
+        self.problem: BaseException | None = None
+        """What ended the sampling by itself."""
+
+    def start(self) -> None:
+        """Begins."""
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Ends, after the sample that is being taken."""
+        self._ended.set()
+        self._thread.join(_JOIN)
+
+    @property
+    def alive(self) -> bool:
+        """Whether samples are still being taken."""
+        return self._thread.is_alive()
+
+    def statistics(self) -> SamplingStatistics:
+        """Gives how it went so far."""
+        return SamplingStatistics(self._taken, self._lost, self._latest)
+
+    def _run(self) -> None:
+        started, count = self._now(), 0
+        try:
+            while not self._ended.is_set():
+                rest = started + count * self._period - self._now()
+                if rest > 0:
+                    time.sleep(rest)
+                now = self._now()
+                late = now - started - count * self._period
+                self._latest = max(self._latest, late)
+                self._take(now)
+                self._taken += 1
+                missed = int(late / self._period)
+                self._lost += missed
+                count += 1 + missed
+        except BaseException as error:  # noqa: BLE001 - kept for whoever asks for samples next, who raises it
+            self.problem = error

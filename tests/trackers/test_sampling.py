@@ -1,0 +1,53 @@
+"""Sampling keeps absolute deadlines and counts what it misses."""
+
+import time
+
+import numpy as np
+import pytest
+
+from mitl.trackers.sampling import Sampler
+
+
+def run(take, *, rate=200.0, seconds=0.4):
+    sampler = Sampler(take, rate)
+    sampler.start()
+    time.sleep(seconds)
+    sampler.stop()
+    return sampler
+
+
+def test_deadlines_do_not_add_up():
+    times = []
+    sampler = run(times.append)
+    grid = (np.array(times) - times[0]) * 200.0
+    late = grid - np.floor(grid + 1e-3)
+    assert np.median(late) < 0.5, "a sample is taken soon after its deadline, however late the one before was"
+    assert sampler.statistics().taken + sampler.statistics().lost >= grid[-1]
+
+
+def test_a_slow_sample_loses_the_deadlines_that_it_slept_through_and_no_others():
+    count = 0
+
+    def take(_now):
+        nonlocal count
+        count += 1
+        if count == 5:
+            time.sleep(0.05)
+
+    statistics = run(take).statistics()
+    assert statistics.lost >= 9
+    assert statistics.latest >= 0.04
+
+
+def test_a_problem_ends_it_and_is_kept():
+    def take(_now):
+        raise OSError("unplugged")
+
+    sampler = run(take, seconds=0.05)
+    assert not sampler.alive
+    assert "unplugged" in str(sampler.problem)
+
+
+def test_a_silly_rate_is_refused():
+    with pytest.raises(ValueError, match="1 to 1000"):
+        Sampler(print, 0.0)
