@@ -74,9 +74,9 @@ class OpenVrTracker:
 
     def stop(self) -> PosePath:
         """Stops recording and gives the whole path."""
-        path = self.path()
-        self._recording = False
-        return path
+        with self._lock:
+            self._recording = False
+        return self.path()
 
     def path(self) -> PosePath:
         """Gives the path so far, while recording or after."""
