@@ -19,6 +19,7 @@ _INTERRUPTED = 130
 COMMANDS = {
     "check": "Check RAPID files for errors.",
     "oracle": "Compute the path of a RAPID program, without a rig.",
+    "preflight": "Look a program over before a robot runs it: reach, limits, singularities, collisions.",
     "verify": "Run test cases on a rig and judge them.",
     "faults": "List the faults that can be injected into the simulated controller.",
     "compare": "Compare two recorded paths.",

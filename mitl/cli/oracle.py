@@ -80,8 +80,8 @@ def oracle_command(
     for name, number in (("--rate", rate), ("--max-time", max_time)):
         if number is not None and not isfinite(number):
             raise UsageError(f"{name} {number}: expected a finite number")
-    assignments = [_assignment(text) for text in presets]
-    changes = [_input_change(text) for text in inputs]
+    assignments = [read_assignment(text) for text in presets]
+    changes = [read_input_change(text) for text in inputs]
     model = load_robot_model(robot)
     try:
         with Progress("computing the path") as progress:
@@ -148,7 +148,8 @@ def _computed(
     return run, sample(run, times, View(view), Frame(frame))
 
 
-def _assignment(text: str) -> tuple[str, str]:
+def read_assignment(text: str) -> tuple[str, str]:
+    """Gives name and value of `VAR=VALUE`. Raises UsageError."""
     from mitl.errors import UsageError  # noqa: PLC0415 - see above
 
     name, equals, value = text.partition("=")
@@ -157,7 +158,8 @@ def _assignment(text: str) -> tuple[str, str]:
     return name.strip(), value.strip()
 
 
-def _input_change(text: str) -> InputChange:
+def read_input_change(text: str) -> InputChange:
+    """Gives the change that `SIGNAL=VALUE@SECONDS` means. Raises UsageError."""
     from mitl.errors import UsageError  # noqa: PLC0415 - see above
     from mitl.motion.offline import InputChange  # noqa: PLC0415 - see above
 
