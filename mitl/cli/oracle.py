@@ -14,9 +14,10 @@ import click
 
 if TYPE_CHECKING:  # heavy imports only when the command runs
     from mitl.cli.progress import Progress
-    from mitl.motion.offline import InputChange, Samples
+    from mitl.motion.offline import Samples
     from mitl.motion.program_run import ProgramRun
     from mitl.motion.robot_model import RobotModel
+    from mitl.motion.signals import InputChange
     from mitl.paths import FloatArray
 
 _LONGEST = 600.0
@@ -161,7 +162,7 @@ def read_assignment(text: str) -> tuple[str, str]:
 def read_input_change(text: str) -> InputChange:
     """Gives the change that `SIGNAL=VALUE@SECONDS` means. Raises UsageError."""
     from mitl.errors import UsageError  # noqa: PLC0415 - see above
-    from mitl.motion.offline import InputChange  # noqa: PLC0415 - see above
+    from mitl.motion.signals import InputChange  # noqa: PLC0415 - see above
 
     match = re.fullmatch(rf"\s*(\w+)\s*=\s*({_NUMBER})\s*@\s*({_NUMBER})\s*", text)
     if match is None:

@@ -15,8 +15,8 @@ from mitl.controllers import effect_faults as bugs
 from mitl.controllers import servo_faults as servo
 from mitl.errors import UsageError
 from mitl.motion.orientation import OrientationLaw, evenly
-from mitl.motion.program_run import EffectFilter
 from mitl.motion.robot_model import RobotModel
+from mitl.motion.task_run import EffectFilter
 from mitl.paths import FloatArray
 from rapid_interp import effects
 

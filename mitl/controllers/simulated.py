@@ -137,7 +137,7 @@ class SimulatedController:
     def stop(self) -> None:
         """Stops execution along the path. Safe to call at any time, also twice."""
         if self._run is not None and self.state() is ExecutionState.RUNNING:
-            self._run.hold(self._now() - self._origin)
+            self._run.close(self._now() - self._origin)
             self._log(self._now(), _INFORMATION, "info", "program stopped")
 
     def state(self) -> ExecutionState:
@@ -215,7 +215,7 @@ class SimulatedController:
 
     def _fail(self, now: float, number: int, text: str) -> None:
         if self._run is not None:
-            self._run.hold(now - self._origin)
+            self._run.close(now - self._origin)
         self._failed = True
         self._log(now, number, "error", text)
 

@@ -21,6 +21,7 @@ from mitl.motion.path import IndexArray
 from mitl.motion.program_run import ProgramRun, joints_home
 from mitl.motion.record import TICK, ExecutedMove, MotionRecord, View
 from mitl.motion.robot_model import RobotModel
+from mitl.motion.signals import InputChange
 from mitl.paths import FloatArray, PosePath
 from mitl.poses import pose_of
 from mitl.protocols import ProgrammedMove
@@ -33,15 +34,6 @@ class Frame(Enum):
     WORLD = "world"
     WORK_OBJECT = "wobj"
     BASE = "base"
-
-
-@dataclass(frozen=True)
-class InputChange:
-    """An input signal that takes a value at a time in s."""
-
-    name: str
-    value: float
-    time: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,14 +54,8 @@ def start_run(
     orientation_law: OrientationLaw = evenly,
 ) -> ProgramRun:
     """Gives a program run from the robot's rest position at time 0, not yet begun."""
-    in_order = sorted(inputs, key=lambda change: change.time)
-
-    def value(name: str, time: float) -> float:
-        changes = [change.value for change in in_order if change.name.lower() == name.lower() and change.time <= time]
-        return changes[-1] if changes else 0.0
-
     planner = Planner(model, orientation_law=orientation_law)
-    return ProgramRun(generator, planner, MotionRecord(model, joints_home()), inputs=value)
+    return ProgramRun(generator, planner, MotionRecord(model, joints_home()), inputs=inputs)
 
 
 def run_until(

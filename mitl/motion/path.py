@@ -25,6 +25,8 @@ _NODES = 33
 _LEAST_STRETCH = 0.3
 """Least ratio of TCP way to leg coordinate: in corners sharper than 145 deg s stops following the arc length, so that it stays regular."""
 _SHORTEST_PIECE = 1e-7
+_WAY_STEPS = 2000
+"""Chords by which the TCP's way on a joint leg is measured; a metre of it bent by a radian is then right to .01 um."""
 _STEP = 2e-3
 """Share of a zone's radius over which a leg's tangent and bend in joint space are taken."""
 
@@ -123,6 +125,21 @@ class Path:
         radius = np.array([0.0, *(corner.radius for corner in self.corners), 0.0])
         scale = np.append(0.0, self._scale)
         return np.asarray(self._s_of_g(self._begins - radius * scale))
+
+    def coordinate(self, index: int, way: float) -> float:
+        """Gives the path coordinate in m of a place on a leg, `way` m of the leg's own TCP travel after its programmed start.
+
+        In a zone the place moves from the leg to the corner, whose own coordinate it keeps.
+        """
+        leg = self.legs[index]
+        if isinstance(leg, JointLeg) and leg.travel > 0:
+            shares = np.linspace(0.0, 1.0, _WAY_STEPS + 1)
+            position = (self.arm.flange(leg.joints(leg.length * shares)) * leg.X_FT).translation
+            ways = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(position, axis=0), axis=1))])
+            x = leg.length * float(np.interp(way * ways[-1] / leg.travel, ways, shares))
+        else:
+            x = way * self._scale[index]
+        return float(self._s_of_g(self._begins[index] + min(x, leg.length)))
 
     def sample(self, s: FloatArray) -> Sample:
         """Gives the path at ascending coordinates s (N,) in m. Joints are NaN where a pose is out of reach."""

@@ -5,6 +5,7 @@ Time runs in ticks from 0. Invariant: what has been recorded up to (the newest c
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from enum import Enum
 
@@ -16,11 +17,11 @@ from mitl.motion.chain import Chain
 from mitl.motion.filters import moving_average
 from mitl.motion.moves import PlannedMove
 from mitl.motion.robot_model import RobotModel
-from mitl.motion.timing import braked
 from mitl.paths import FloatArray
 
 TICK = 4e-3
 """Spacing in s of the joint samples behind every view; the plan itself is exact at any time."""
+_SAME_TIME = 1e-9
 
 
 class View(Enum):
@@ -78,31 +79,38 @@ class MotionRecord:
         """Gives the joints (6,) rad at which the plan comes to rest."""
         return np.asarray(self._planned[-1])
 
-    def add(self, start: float, chain: Chain, *, moves: range | None = None, begun: float | None = None) -> None:
-        """Schedules a chain at `start` s, not before the former one's end.
+    def schedule(self, start: float, chain: Chain, *, under_way: int = 0, beyond: int | None = None) -> None:
+        """Moves along a chain from `start` s on; what was scheduled from then on is dropped.
 
-        moves: those of the chain's moves to enter as executed here (all, unless a chain is carried on by another). begun: time at which the
-        first of them began, where a former chain began it.
+        under_way: index in the chain of the move with which it begins; that keeps the time at which it was first begun. beyond: index
+        after the last move that it executes.
         """
+        self._drop_from(start)
+        moves = chain.moves[under_way:beyond]
+        passing = start + chain.passing_times()[under_way:]
+        begun = next((index for index in range(len(self.moves) - 1, -1, -1) if moves and self.moves[index].move is moves[0]), None)
+        known = math.inf if begun is None else self.moves[begun].begins
+        del self.moves[len(self.moves) if begun is None else begun :]
+        for index, move in enumerate(moves):
+            begins = float(passing[index])
+            self.moves.append(ExecutedMove(move, min(known, begins) if index == 0 else begins, float(passing[index + 1])))
         scheduled = ScheduledChain(start, chain)
-        passing = start + chain.passing_times()
-        for index in range(len(chain.moves)) if moves is None else moves:
-            begins = float(passing[index]) if begun is None else begun
-            begun = None
-            self.moves.append(ExecutedMove(chain.moves[index], begins, float(passing[index + 1])))
         self.chains.append(scheduled)
         self._extend(scheduled)
 
-    def brake(self, time: float) -> None:
-        """Stops the motion along the path, from `time` s on, as fast as the path's acceleration allows; what follows is dropped."""
-        newest = self.chains[-1]
-        if time >= newest.end:
-            return
-        timing = braked(newest.chain.timing, max(time - newest.start, 0.0), self.model.tcp_acceleration, self.model.acceleration_window)
-        self.chains[-1] = scheduled = ScheduledChain(newest.start, replace(newest.chain, timing=timing))
-        self._planned = self._planned[: self._first_tick(newest.start)]
-        self.moves = [executed for executed in self.moves if executed.begins <= scheduled.end]
-        self._extend(scheduled)
+    def cancel(self, start: float) -> None:
+        """Drops what was scheduled from `start` s on, where the arm stands."""
+        self._drop_from(start)
+        self.moves = [executed for executed in self.moves if executed.begins < start - _SAME_TIME]
+        self._filter_from(max(len(self._planned) - 2 * self._hold, 0), self._hold)
+
+    def _drop_from(self, start: float) -> None:
+        while self.chains and self.chains[-1].start >= start - _SAME_TIME:
+            self.chains.pop()
+        if self.chains and self.chains[-1].end > start:
+            cut = self.chains[-1]
+            self.chains[-1] = ScheduledChain(cut.start, replace(cut.chain, timing=cut.chain.timing.until(start - cut.start)))
+        self._planned = self._planned[: max(self._first_tick(start), 1)]
 
     def joints_at(self, time: float, view: View = View.TOOL) -> FloatArray:
         """Gives the joints (6,) rad at `time` s as the arm follows, by cubic interpolation between ticks."""
@@ -157,6 +165,11 @@ class MotionRecord:
             speed[here] = v * moved / np.maximum(high - low, 1e-12)
         return position, Rotation.from_quat(quaternion), speed
 
+    @property
+    def _hold(self) -> int:
+        """Gives how many ticks past the plan's end the views go on changing."""
+        return int(np.ceil(max(self.model.arm_windows.sum(), self.model.controller_windows.max()) / 2 / TICK)) + 2
+
     def _first_tick(self, time: float) -> int:
         return int(np.ceil(time / TICK - 1e-9))
 
@@ -170,9 +183,8 @@ class MotionRecord:
             scheduled.chain.path.sample(s).joints if scheduled.chain.path.length > 0 else np.repeat(self._planned[-1:], len(s), axis=0)
         )
         known = min(len(self._planned), first)
-        hold = int(np.ceil(max(self.model.arm_windows.sum(), self.model.controller_windows.max()) / 2 / TICK)) + 2
         self._planned = np.concatenate([self._planned[:first], rest, sampled])
-        self._filter_from(max(known - 2 * hold, 0), hold)
+        self._filter_from(max(known - 2 * self._hold, 0), self._hold)
 
     def _filter_from(self, tick: int, hold: int) -> None:
         """Computes the arm's and the controller's views anew from a tick on, `hold` ticks past the plan's end."""

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from mitl.errors import MotionError
-from mitl.motion import program_run
-from mitl.motion.offline import InputChange
-from mitl.motion.program_run import PREFETCH
+from mitl.motion import task_run
 from mitl.motion.record import View
+from mitl.motion.signals import InputChange
+from mitl.motion.trigger_times import PREFETCH
 from rapid_interp import RapidError
 
 ROUNDING = 1e-9
@@ -61,7 +61,8 @@ def test_a_wait_in_a_fly_by_point_makes_a_stop_of_it_and_says_so(rapid, moved):
 def test_a_short_wait_in_a_fly_by_point_stops_nothing(rapid, moved):
     motion = moved(rapid.joint(450, 0, 400), rapid.line(450, 200, 400, "z50"), "WaitTime 0.01;", rapid.line(250, 200, 400))
     assert motion.run.events == []
-    assert len(motion.record.chains) == 2
+    corner = motion.record.moves[1].ends
+    assert motion.record.planned_tcp(np.linspace(corner - 0.2, corner + 0.2, 200))[2].min() > 0.05
 
 
 def test_a_wait_after_a_stop_takes_its_time(rapid, moved):
@@ -105,7 +106,7 @@ def test_an_endless_fly_by_loop_is_carried_on_without_a_dip_in_speed(rapid, move
     motion = moved(rapid.joint(350, 0, 400), "WHILE TRUE DO", *square(rapid), "ENDWHILE", until=80.0)
     assert not motion.run.finished
     chains = motion.record.chains
-    assert len(chains) >= 4
+    assert len(chains) >= 3
     assert motion.run.events == []
     for before, after in zip(chains[1:-1], chains[2:], strict=True):
         assert after.start == pytest.approx(before.end, abs=ROUNDING)
@@ -129,7 +130,7 @@ def test_an_endless_fly_by_loop_is_carried_on_without_a_dip_in_speed(rapid, move
 def test_however_far_it_looks_ahead_limits_hold_and_the_path_is_the_same(rapid, moved, monkeypatch, look_ahead):
     lines = [rapid.joint(450, 0, 400), *(square(rapid) * 8), rapid.line(450, 0, 400)]
     whole = moved(*lines)
-    monkeypatch.setattr(program_run, "LOOK_AHEAD", look_ahead)
+    monkeypatch.setattr(task_run, "LOOK_AHEAD", look_ahead)
     motion = moved(*lines)
     for view in View:
         worst = motion.audit(view)

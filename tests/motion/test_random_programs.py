@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from mitl.errors import MotionError
-from mitl.motion import program_run
+from mitl.motion import task_run
 from mitl.motion.record import View
 
 EXAMPLES = int(os.environ.get("MITL_RANDOM_PROGRAMS", "25"))
@@ -66,7 +66,7 @@ def bodies(draw):
 @given(lines=bodies())
 def test_a_valid_program_exceeds_no_limit_and_runs_forwards_without_a_jump(moved, look_ahead, lines):
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(program_run, "LOOK_AHEAD", look_ahead)
+        patch.setattr(task_run, "LOOK_AHEAD", look_ahead)
         try:
             motion = moved(*lines)
         except MotionError:

@@ -62,26 +62,6 @@ def test_what_has_been_recorded_stays_when_more_is_recorded(rapid):
     assert len(seen) > 5
 
 
-def test_braking_follows_the_path_and_ends_at_rest(rapid, moved):
-    whole = moved(rapid.joint(450, 0, 400), rapid.line(450, 200, 400, "z50", "v500"), rapid.line(250, 200, 400, speed="v500"))
-    record = whole.record
-    time = record.moves[1].ends - 0.05
-    path = record.chains[-1].chain.path.positions(np.linspace(0, record.chains[-1].chain.path.length, 20001))[0]
-    record.brake(time)
-    assert record.chains[-1].end == pytest.approx(time + 0.5 / MODEL.tcp_acceleration + MODEL.acceleration_window, abs=0.02)
-    position, _, speed = record.planned_tcp(np.linspace(time, record.chains[-1].end + 0.1, 200))
-    assert speed[-1] == pytest.approx(0, abs=1e-12)
-    off = np.array([np.linalg.norm(path - place, axis=1).min() for place in position])
-    assert off.max() < 2e-5  # the path's own samples are that far apart
-    assert [executed.move.effect.at.line for executed in record.moves][-1] <= whole.record.moves[-1].move.effect.at.line
-
-
-def test_braking_after_the_end_changes_nothing(corner):
-    end = corner.record.end
-    corner.record.brake(end + 1)
-    assert corner.record.end == end
-
-
 def test_an_arm_that_was_told_nothing_rests():
     record = MotionRecord(MODEL, joints_home())
     assert record.end == 0
