@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from mitl.motion.bridge import work_object_frame
-from mitl.motion.program_run import EffectFilter
+from mitl.motion.task_run import EffectFilter
 from mitl.paths import FloatArray
 from rapid_interp import data, effects
 

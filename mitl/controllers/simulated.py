@@ -128,7 +128,7 @@ class SimulatedController:
             raise RigError("start refused: the program was stopped or has ended; load it again")
         now = self._now() - self._origin
         self._run = ProgramRun(
-            self._task.run(), self._planner, self._record, now=now, inputs=self._inputs, effect_filter=effect_filter(self._faults)
+            self._task.run(), self._planner, self._record, now=now, live_inputs=self._inputs, effect_filter=effect_filter(self._faults)
         )
         self._run.speed_ratio = self._speed_ratio
         self._failed = False

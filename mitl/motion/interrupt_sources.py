@@ -33,6 +33,11 @@ class InterruptSources:
         """Gives whether anything may raise an interrupt."""
         return bool(self._subscriptions)
 
+    @property
+    def signals(self) -> set[str]:
+        """Gives the names, in lower case, of the signals whose changes may raise an interrupt."""
+        return {other.source.name.lower() for other in self._subscriptions if not isinstance(other.source, Elapsed)}
+
     def subscribe(self, effect: Subscribe, now: float) -> None:
         """Begins to raise an interrupt when its source says so."""
         due = now + effect.source.seconds if isinstance(effect.source, Elapsed) else math.inf

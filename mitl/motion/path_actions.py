@@ -79,11 +79,11 @@ class PathActions:
                 self._forget(action.name)
                 seconds = action.ramp if action.in_seconds else None
                 way = 0.0 if action.in_seconds else 1e-3 * action.ramp
-                begin = self._signals.value(action.name)
+                begin = self._signals.value(action.name, time)
                 self._ramps[action.name.lower()] = _Ramp(action.name, begin, action.value, time, seconds, way)
                 self._updated = time
             case CheckSignal():
-                if not _RELATIONS[action.condition](self._signals.value(action.name), action.value):
+                if not _RELATIONS[action.condition](self._signals.value(action.name, time), action.value):
                     if action.stops:
                         self._stopped(time)
                     self._raised(action.interrupt)
@@ -101,7 +101,7 @@ class PathActions:
         self._updated = now
         for follower in self._followers.values():
             value = self._scaled(follower, now)
-            if value != self._signals.value(follower.name):
+            if value != self._signals.value(follower.name, now):
                 self._signals.put(follower.name, value, now)
         for ramp in list(self._ramps.values()):
             ramp.gone += UPDATE * self._tcp_speed(now - UPDATE / 2)

@@ -6,7 +6,7 @@ Both the simulated controller and the oracle are this. Invariant: nothing that l
 from __future__ import annotations
 
 import math
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 
 import numpy as np
 
@@ -21,6 +21,8 @@ from mitl.motion.task_run import Cell, EffectFilter, TaskRun, TimedText
 from mitl.paths import FloatArray
 from rapid_interp import effects
 
+LOOK = 4e-3
+"""How often (s) inputs from outside are looked at for the interrupts that they may raise. ASSUMPTION A-139."""
 MAIN_TASK = "T_ROB1"
 _SAME = 1e-9
 _MOST_ROUNDS = 10_000
@@ -36,8 +38,8 @@ def unchanged(effect: effects.Effect) -> effects.Effect:
 class ProgramRun:
     """A program, from joints at rest. A participant in virtual time: see `mitl.simulation.process.Process`.
 
-    background: further tasks by name, which move nothing. inputs: changes of input signals known beforehand. desk: the operator's answers
-    and the date. Raises RapidError and MotionError out of `run`.
+    background: further tasks by name, which move nothing. inputs: changes of input signals known beforehand. live_inputs: gives inputs by
+    name and time in s as they are then. desk: the operator's answers and the date. Raises RapidError and MotionError out of `run`.
     """
 
     def __init__(
@@ -49,13 +51,14 @@ class ProgramRun:
         now: float = 0.0,
         background: Mapping[str, TaskGenerator] | None = None,
         inputs: Sequence[InputChange] = (),
+        live_inputs: Callable[[str, float], float] | None = None,
         desk: Desk | None = None,
         effect_filter: EffectFilter = unchanged,
         name: str = MAIN_TASK,
     ) -> None:
         self.record = record
         self.planner = planner
-        self.table = SignalTable(inputs)
+        self.table = SignalTable(inputs, live_inputs)
         self._cell = Cell(self.table, desk or Desk(), Position(planner, record))
         self._motion = MotionQueue(planner, record, now=now, told=self._tell)
         self._actions = PathActions(self.table, tcp_speed=self._tcp_speed, raised=self._raise, stopped=self._stop_motion)
@@ -70,6 +73,7 @@ class ProgramRun:
             self.table.watch(task.interrupts.changed)
         self._held: float | None = None
         self._held_motion = False
+        self._looked = now
 
     # --- what it did ---------------------------------------------------------------------------------------------------------
 
@@ -128,6 +132,8 @@ class ProgramRun:
         times = [self._motion.next_event(), self._actions_due(), self.table.next_output()]
         if self._held is None and not self.finished:
             times.append(self.table.next_input())
+            if self.table.live is not None and any(task.interrupts.signals for task in self._tasks):
+                times.append(self._looked + LOOK)
             for task in self._tasks:
                 times += [task.next_event(), task.interrupts.next_event()]
         return min(times)
@@ -141,6 +147,9 @@ class ProgramRun:
         self._actions.update(now)
         if self._held is not None or self._main.finished:
             return
+        if now >= self._looked + LOOK:
+            self._looked = now
+            self.table.look(set().union(*(task.interrupts.signals for task in self._tasks)), now)
         for task in self._tasks:
             task.interrupts.elapse(now)
         for _ in range(_MOST_ROUNDS):

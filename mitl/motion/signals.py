@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import bisect
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
 
@@ -30,13 +30,17 @@ class _Due:
 
 
 class SignalTable:
-    """Signals of one controller. inputs: changes known beforehand. `outputs` holds the changes (time s, value) by name as first written."""
+    """Signals of one controller. `outputs` holds the changes (time s, value) by name as first written.
 
-    def __init__(self, inputs: Sequence[InputChange] = ()) -> None:
+    inputs: changes known beforehand. live: gives inputs by name and time in s as they are from outside, for those that nothing else sets.
+    """
+
+    def __init__(self, inputs: Sequence[InputChange] = (), live: Callable[[str, float], float] | None = None) -> None:
         self.outputs: dict[str, list[tuple[float, float]]] = {}
         self._values: dict[str, float] = {}
         self._spelt: dict[str, str] = {}
         self._due: list[_Due] = []
+        self.live = live
         self._coming = sorted(inputs, key=lambda change: change.time)
         self._watchers: list[Callable[[str, float, float, float], None]] = []
 
@@ -72,15 +76,24 @@ class SignalTable:
         """Sets an input from outside."""
         self._change(name, value, time)
 
-    def value(self, name: str) -> float:
-        """Gives the value that a signal has now; 0 before it was first set."""
+    def look(self, names: Collection[str], now: float) -> None:
+        """Looks at inputs from outside, names in lower case, so that their changes are told."""
+        if self.live is not None:
+            for name in names:
+                if name not in self._spelt:
+                    self._change(name, self.live(name, now), now)
+
+    def value(self, name: str, now: float) -> float:
+        """Gives the value that a signal has now, at `now` s; 0 before it was first set."""
+        if self.live is not None and name.lower() not in self._spelt:
+            return self.live(name, now)
         return self._values.get(name.lower(), 0.0)
 
     def output_at(self, name: str, time: float) -> float:
         """Gives the value that an output had at `time` s; 0 before it was first set. Inputs are known by their present value only."""
         changes = self.outputs.get(self._spelt.get(name.lower(), name))
         if changes is None:
-            return self.value(name)
+            return self._values.get(name.lower(), 0.0)
         place = bisect.bisect_right(changes, time, key=lambda change: change[0])
         return changes[place - 1][1] if place else 0.0
 

@@ -155,7 +155,7 @@ class TaskRun:
                 event = self._end(now) if effect.in_position else self._here(now)
                 return Waiting(since=now, event=event, seconds=max(effect.seconds, 0.0))
             case effects.ReadSignal():
-                return self._reading(now, lambda _: self._set.get(effect.name.lower(), signals.value(effect.name)))
+                return self._reading(now, lambda time: self._set.get(effect.name.lower(), signals.value(effect.name, time)))
             case effects.ReadClock():
                 return self._reading(now, lambda time: time)
             case effects.ReadDate():
