@@ -14,9 +14,10 @@ from pathlib import Path
 import numpy as np
 
 from mitl.errors import MotionError, UsageError
-from mitl.motion.offline import InputChange, run_until, start_run
+from mitl.motion.offline import run_until, start_run
 from mitl.motion.preflight import Finding, ForgivingPlanner, Margins, Measures, Motion, Severity, executed, look_over, of_error, refusals
 from mitl.motion.robot_model import RobotModel
+from mitl.motion.signals import InputChange
 from mitl.simulation.cell import Cell
 from mitl.simulation.clearance import Clearance, Gap
 from rapid_interp import RapidError, Task
