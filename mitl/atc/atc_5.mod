@@ -9,6 +9,9 @@ MODULE ATC_5
   CONST robtarget pWide := [[-282.843,-141.421,0],[0.173648178,0.000000000,0.984807753,0.000000000],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
   CONST robtarget pCircle := [[50,60,160],[0.173648178,0.000000000,0.984807753,0.000000000],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
   CONST robtarget pTurn := [[80,80,200],[0.173648178,0.000000000,0.984807753,0.000000000],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+  ! on the line between them axis 5 comes within 2 deg of 0
+  CONST robtarget pSingular1 := [[48.178,-189.6,206.239],[0.581416229,0.297400884,0.717989248,-0.240830487],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+  CONST robtarget pSingular2 := [[189.6,-48.178,206.239],[0.581416229,0.297400884,0.717989248,-0.240830487],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
   VAR speeddata vTurn := [100,40,5000,1000];
   ! axis 5 of an IRB 140 turns to 115 deg
   CONST jointtarget jBeyond := [[0,0,0,0,125,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
@@ -40,6 +43,9 @@ MODULE ATC_5
         done;
       CASE 5:
         keepSpeed;
+        done;
+      CASE 6:
+        singularity;
         done;
       DEFAULT:
         WaitTime 0.05;
@@ -137,6 +143,20 @@ MODULE ATC_5
       MoveAbsJ jBeyond, v500, fine, tTest;
       WaitTime 20;
     ENDTEST
+  ENDPROC
+
+  PROC singularity()
+    MoveJ pSingular1, v500, fine, tTest\WObj:=wTest;
+    WaitTime 0.5;
+    TEST subOption
+    CASE 1:
+      SingArea \Wrist;
+    CASE 2:
+      SingArea \Off;
+    ENDTEST
+    MoveL pSingular2, vTest, fine, tTest\WObj:=wTest;
+    SingArea \Off;
+    WaitTime 0.3;
   ENDPROC
 
   PROC keepSpeed()

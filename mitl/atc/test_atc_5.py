@@ -10,11 +10,13 @@ from mitl.atc.verdicts import check_position, check_speed, check_turn
 from mitl.engine import Bench, Check, case
 from mitl.metrics.circle import circle_deviation, circle_through
 from mitl.metrics.deviation import LargestDeviation, largest_deviation, window_noise
+from mitl.metrics.line import line_deviation
 from mitl.metrics.path import interpolate, path_deviation
 from mitl.metrics.speed import speed_difference
 
 CORNER_LIMIT = 5e-3
 CIRCLE_LIMIT = 5e-3
+LINE_LIMIT = 5e-3
 PATH_LIMIT = 10e-3
 SPEED_LIMIT = 5e-3
 STILL_LIMIT = 5e-3
@@ -26,6 +28,7 @@ ZONES = {
     5: ("z200",),
 }
 """Predefined zones by subOption, in the order of their corners."""
+_SINGULARITY = {1: "Wrist", 2: "Off"}
 _RADII = {1: 20, 2: 50, 3: 100}
 _AROUND = 0.05
 """Seconds on either side of a corner's middle that are averaged."""
@@ -142,6 +145,37 @@ def test_joint_limit(bench: Bench, check: Check) -> None:
     check("way of the tool", value=1e3 * way, limit=1e3 * STILL_LIMIT, unit="mm", budget=budget_of_point(bench, after))
     for event in events:
         check.message("info", f"event log: {event.number} {event.text}")
+
+
+@case(
+    "atc-5/singularity",
+    title="Near a singularity",
+    purpose="A line on which axis 5 comes within 2 deg of zero, with SingArea \\Wrist and with \\Off, at 300 mm/s.",
+    requirement="\\Wrist keeps the line and the speed and gives way in the orientation; \\Off keeps both and slows down.",
+    limit_source="thesis 3.4.3.3: 5 mm; 10 mm at the same time and 5 deg as 3.4.3.5 and 3.4.3.2",
+    program="atc_5.mod",
+    catches=("sing-area-ignored",),
+    typical_s=15.0,
+)
+def test_singularity(bench: Bench, check: Check) -> None:
+    """Distance from the line, from the oracle at the same time, and orientation."""
+    for number, mode in _SINGULARITY.items():
+        with check.subtest(mode):
+            run = timed(bench.run(6, number, variables={"speed": "300"}, name=f"SingArea {mode}"))
+            (move,) = run.moves("MoveL")
+            path = run.during(move)
+            across = line_deviation(path.position, move.start[:3], move.end[:3]).across
+            check_position(bench, check, "distance from the line", path, across, LINE_LIMIT)
+            deviation = path_deviation(run.run.oracle.tcp, path)
+            in_time = largest_deviation(deviation.time, deviation.vector)
+            check(
+                "deviation at the same time",
+                value=1e3 * in_time.value,
+                limit=1e3 * PATH_LIMIT,
+                unit="mm",
+                budget=budget_of_path(bench, in_time, speed=move.tcp_speed, offset=run.offset),
+            )
+            check_turn(bench, check, "orientation", path, deviation.turn)
 
 
 @case(

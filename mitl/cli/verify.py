@@ -7,7 +7,7 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, redirect_stderr
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -62,7 +62,14 @@ if TYPE_CHECKING:
 )
 @click.option("--long", "long", is_flag=True, help="Also run the cases that take hours of the rig's time (seconds in simulation).")
 @click.option("--list", "only_list", is_flag=True, help="List the cases and run none.")
-@click.option("--format", "form", type=click.Choice(("text", "json")), default="text", show_default=True, help="Form of the output.")
+@click.option(
+    "--format",
+    "form",
+    type=click.Choice(("text", "json", "markdown")),
+    default="text",
+    show_default=True,
+    help="Form of the output; markdown is for --list.",
+)
 @click.pass_context
 def verify_command(
     context: click.Context,
@@ -86,6 +93,8 @@ def verify_command(
     from mitl.cli import verify_output  # noqa: PLC0415 - heavy imports only when the command runs
     from mitl.engine.results import read_run, text_of  # noqa: PLC0415 - see above
 
+    if form == "markdown" and not only_list:
+        raise UsageError("--format markdown lists the cases: give --list too")
     options = [
         f"--mitl-rig={rig}",
         f"--mitl-seed={seed}",
@@ -95,9 +104,7 @@ def verify_command(
         *(f"--mitl-case={case}" for case in cases),
     ]
     if only_list:
-        observer = _Observer(progress=False)
-        _run_pytest(tests, [*options, "--collect-only"], observer)
-        click.echo(verify_output.listed(observer.found, form))
+        click.echo(verify_output.listed(found_cases(tests, options), form))
         return
     observer = _Observer(progress=sys.stderr.isatty())
     _run_pytest(tests, [*options, f"--mitl-out={out}"], observer)
@@ -108,6 +115,13 @@ def verify_command(
     else:
         click.echo(f"the report could not be made; the run is kept, try: mitl report {out}", err=True)
     context.exit(exit_code(run))
+
+
+def found_cases(tests: Path | None = None, options: Sequence[str] = ("--mitl-long",)) -> list[CaseInfo]:
+    """Gives the cases in a folder, or mitl's own, as the plug-in's options choose them."""
+    observer = _Observer(progress=False)
+    _run_pytest(tests, [*options, "--collect-only"], observer)
+    return observer.found
 
 
 def exit_code(run: RunRecord) -> int:

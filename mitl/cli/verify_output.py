@@ -30,11 +30,36 @@ def listed(cases: Sequence[CaseInfo], form: str) -> str:
     if form == "json":
         keys = ("id", "title", "purpose", "requirement", "limit_source", "typical_s")
         return json.dumps([{**{key: getattr(info, key) for key in keys}, "catches": list(info.catches)} for info in cases], indent=2)
+    if form == "markdown":
+        return _page(cases)
     width = max((len(info.id) for info in cases), default=0)
     titles = max((len(info.title) for info in cases), default=0)
     return "\n".join(
         f"{info.id:<{width}}  {info.title:<{titles}}  {info.typical_s:>5.0f} s  {', '.join(info.catches)}".rstrip() for info in cases
     )
+
+
+def _page(cases: Sequence[CaseInfo]) -> str:
+    """Gives docs/test_cases.md: a table, then each case with what it says about itself."""
+    rows = [
+        f"| [{info.id}](#{info.id.replace('/', '')}) | {info.title} | {info.typical_s:.0f} s | {', '.join(info.catches)} |"
+        for info in cases
+    ]
+    parts = [
+        "# Test cases",
+        "Made by `mitl verify --list --format markdown` from the cases themselves; a test compares. Times are those at a rig. "
+        "A fault is what must make the case FAIL (`mitl faults`).",
+        "\n".join(["| Case | Title | Takes | Must catch |", "|---|---|---|---|", *rows]),
+    ]
+    for info in cases:
+        program = f" Program: `mitl/atc/{info.program.name}`." if info.program is not None else ""
+        hours = " It takes hours, and is run only where it is asked for by its id or with `--long`." if info.long else ""
+        parts += [
+            f"## {info.id}",
+            f"**{info.title}.** {info.purpose}{hours}",
+            f"- Requirement: {info.requirement}\n- Limit: {info.limit_source}.{program}",
+        ]
+    return "\n\n".join(parts)
 
 
 def print_table(run: RunRecord, console: Console | None = None) -> None:

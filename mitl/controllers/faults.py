@@ -163,6 +163,7 @@ KINDS = {
         FaultKind("tool-inverted", "the tool is inverted; a share of .5 ignores it", "interpreter", "share", 1.0, bugs.tool_inverted),
         FaultKind("wrong-arc", "arcs are run on the other side of their chord", "planner", "share", 1.0, bugs.wrong_arc),
         FaultKind("wait-time", "WaitTime is too long", "interpreter", "per cent", 20.0, bugs.wait_time),
+        FaultKind("sing-area-ignored", "SingArea is always \\Off", "planner", "share", 1.0, bugs.sing_area_ignored),
         FaultKind("joint-limit-ignored", "axes may turn beyond their range", "planner", "deg", 30.0, make_model=wider_limits),
         FaultKind("speed-dip", "the speed sags in every zone", "interpolator", "per cent", 20.0, make_playback=servo.speed_dip),
         FaultKind("hiccup", "the motion halts within moves", "interpolator", "ms", 40.0, make_playback=servo.hiccup),

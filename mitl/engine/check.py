@@ -19,7 +19,19 @@ from mitl.outcome import Outcome
 from mitl.paths import FloatArray
 from mitl.recording.records import Series
 
-PER_SI = {"m": 1.0, "mm": 1e3, "rad": 1.0, "deg": math.degrees(1.0), "s": 1.0, "ms": 1e3, "m/s": 1.0, "mm/s": 1e3, "%": 100.0, "": 1.0}
+PER_SI = {
+    "m": 1.0,
+    "mm": 1e3,
+    "rad": 1.0,
+    "deg": math.degrees(1.0),
+    "s": 1.0,
+    "ms": 1e3,
+    "m/s": 1.0,
+    "mm/s": 1e3,
+    "m/s^2": 1.0,
+    "%": 100.0,
+    "": 1.0,
+}
 LEVELS = ("info", "warning", "error")
 
 

@@ -107,3 +107,10 @@ def test_the_same_seed_gives_the_same_numbers_and_another_seed_others(tmp_path):
     first, alone, other = (numbers(found[name][1]) for name in "abc")
     assert [row for row in first if row[0] == "atc-1/linear"] == alone
     assert all(ours[2] != theirs[2] for ours, theirs in zip(alone, other, strict=True))
+
+
+def test_the_page_of_test_cases_is_up_to_date():
+    page = Path(__file__).parents[2] / "docs" / "test_cases.md"
+    command = [sys.executable, "-m", "mitl", "verify", "--list", "--format", "markdown"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert page.read_text(encoding="utf-8") == done.stdout, "run: mitl verify --list --format markdown > docs/test_cases.md"
