@@ -30,6 +30,9 @@ COMMANDS = {
     "fit-tracker": "Fit a tracker preset to still recordings.",
     "view": "Replay a recording or an oracle in 3-D.",
     "report": "Make the report of an earlier run again.",
+    "history": "Keep runs, and see their trends.",
+    "diff": "What changed from one run to another.",
+    "gate": "Whether a run lets the build through.",
     "serve": "Serve a virtual controller by Robot Web Services.",
 }
 

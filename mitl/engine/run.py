@@ -167,7 +167,7 @@ def installed_versions() -> dict[str, str]:
 
 
 def _files_of_old_run(folder: Path) -> Sequence[str]:
-    own = [results.FILE_NAME, junit.FILE_NAME, REPORT, REPLAY, "calibration.toml", "calibration.mcap"]
+    own = [results.FILE_NAME, junit.FILE_NAME, REPORT, REPLAY, "calibration.toml", "calibration.mcap", "history.json"]
     try:
         old = results.read_run(folder)
     except UsageError:

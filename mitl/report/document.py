@@ -17,6 +17,7 @@ from mitl.report import assets
 from mitl.report.cases import SYMBOL, CaseView, case_view
 from mitl.report.data import json_in_page
 from mitl.report.replay import replay_page, write_page
+from mitl.report.since import read_since
 from mitl.report.takes import takes_of_run
 
 FILE_NAME = "report.html"
@@ -59,6 +60,7 @@ def render(folder: Path) -> str:
         open=_open(views),
         symbol=SYMBOL,
         replay=REPLAY_NAME,
+        since=read_since(folder),
         programs=programs,
         program_of={
             view.anchor: programs.index((view.case.program or "program", view.case.source))

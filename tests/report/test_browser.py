@@ -10,6 +10,8 @@ from mitl.engine import case_recording
 from mitl.engine.case_recording import RecordedRun, recording_of
 from mitl.engine.record import BudgetTerm, CaseRecord, CheckRecord, Message, RunRecord
 from mitl.engine.results import text_of
+from mitl.history.page import trend_page
+from mitl.history.store import open_store
 from mitl.outcome import Outcome
 from mitl.paths import PosePath
 from mitl.recording.records import LogMessage, Series
@@ -202,6 +204,26 @@ def test_printing_opens_the_cases_and_draws_in_light_colours(page, report):
     assert page.evaluate("mitl.palette().card") == "rgb(255, 255, 255)"
     page.evaluate("dispatchEvent(new Event('afterprint'))")
     assert page.locator("details.case[open]").count() == 1
+
+
+def test_the_trend_page_draws_what_is_opened_and_filters(page, tmp_path):
+    with open_store(tmp_path / "h.sqlite", create=True) as store:
+        for number, value in enumerate([1.0, 1.2, 9.0], start=1):
+            outcome = Outcome.FAIL if value > 5.0 else Outcome.PASS
+            checks = tuple(CheckRecord(f"check {k}", value if k else 1.0, "mm", 5.0, 0.2, outcome if k else Outcome.PASS) for k in range(9))
+            run = RunRecord("sim", "irb140", number, (CaseRecord("a", "A", outcome, 1.0, checks),), {}, started=f"2026-01-0{number}T00:00")
+            folder = tmp_path / str(number)
+            folder.mkdir()
+            (folder / "results.json").write_text(text_of(run))
+            store.add(folder)
+        (tmp_path / "t.html").write_text(trend_page(store, store.run("last")))
+    page.goto((tmp_path / "t.html").as_uri())
+    assert page.locator(".uplot").count() == 6
+    page.locator("summary").last.click()
+    page.locator("article").last.locator(".uplot").wait_for()
+    page.get_by_label("only what is bad").check()
+    assert page.locator("article:visible").count() == 8
+    assert page.locator("#told").inner_text() == "8 of 9 checks shown"
 
 
 def test_an_accessibility_checker_finds_nothing_serious(page, report):
