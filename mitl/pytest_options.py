@@ -5,11 +5,7 @@ It is loaded in every pytest run of whoever has mitl installed: it imports nothi
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
-
-_CALIBRATION_PROGRAM = Path(__file__).resolve().parent / "atc" / "calibration.mod"
 
 
 def add_options(parser: pytest.Parser) -> None:
@@ -20,7 +16,7 @@ def add_options(parser: pytest.Parser) -> None:
     group.addoption("--mitl-fault", action="append", default=[], metavar="NAME[=SIZE]", help="break the simulated controller on purpose")
     group.addoption("--mitl-case", action="append", default=[], metavar="CASE", help="run only this case id, or those below it")
     group.addoption(
-        "--mitl-calibration", default=str(_CALIBRATION_PROGRAM), metavar="FILE", help="RAPID program with the calibration poses"
+        "--mitl-calibration", default=None, metavar="FILE", help="RAPID program with the calibration poses (default: the rig's)"
     )
     group.addoption(
         "--mitl-repeats",

@@ -127,9 +127,9 @@ def mitl_rig(pytestconfig: pytest.Config) -> Iterator[Rig]:
 @pytest.fixture(scope="session")
 def mitl_calibration(mitl_rig: Rig, pytestconfig: pytest.Config) -> SessionCalibration:
     """The calibration of this session; the first case that needs it drives the procedure."""
-    from mitl.engine.calibration_session import calibrate_rig  # noqa: PLC0415
+    from mitl.engine.calibration_session import calibrate_rig, calibration_program  # noqa: PLC0415
 
-    found = calibrate_rig(mitl_rig, Path(pytestconfig.getoption("mitl_calibration")).resolve())
+    found = calibrate_rig(mitl_rig, calibration_program(mitl_rig, pytestconfig.getoption("mitl_calibration")))
     _keeper(pytestconfig).keep_calibration(found)
     return found
 
@@ -152,11 +152,13 @@ def rig(request: pytest.FixtureRequest, mitl_rig: Rig) -> Iterator[Rig]:
 def bench(request: pytest.FixtureRequest, rig: Rig, mitl_calibration: SessionCalibration) -> Iterator[Bench]:
     """What a case works with: runs its program, tracks it, brings it into the work object."""
     from mitl.engine.bench import Bench  # noqa: PLC0415
-    from mitl.engine.frame_watch import frame_watch, refuse_if_moved, void_if_moved  # noqa: PLC0415
+    from mitl.engine.calibration_session import calibration_program  # noqa: PLC0415
+    from mitl.engine.frame_watch import frame_watch, refuse_if_moved, tell_age, void_if_moved  # noqa: PLC0415
 
     session = mitl_calibration
     recorder = _recorder(request.node)
-    watch = frame_watch(rig, session, Path(request.config.getoption("mitl_calibration")).resolve())
+    tell_age(session.calibration, recorder)
+    watch = frame_watch(rig, session, calibration_program(rig, request.config.getoption("mitl_calibration")))
     before = refuse_if_moved(watch)
     recorder.closing.append(lambda: void_if_moved(watch, before, recorder))
     made = Bench(rig, session.calibration, session.poses, recorder, calibrated_at=session.measured_at)

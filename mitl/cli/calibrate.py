@@ -9,6 +9,7 @@ import click
 
 if TYPE_CHECKING:
     from mitl.calibration import Calibration, CalibrationPoses, Distortion, TimeOffset
+    from mitl.protocols import AveragedPoint
 
 _MODELS = ("auto", "rigid", "scale", "affine")
 
@@ -28,9 +29,27 @@ _MODELS = ("auto", "rigid", "scale", "affine")
     show_default=True,
     help="What the tracker does to positions; auto: what the poses justify.",
 )
-@click.option("--output", type=click.Path(dir_okay=False, path_type=Path), metavar="FILE.toml", help="Write the calibration here.")
+@click.option("--plan", is_flag=True, help="Make the RAPID program with the poses to calibrate at, for --robot, and drive nothing.")
+@click.option("--robot", default="irb140", show_default=True, metavar="NAME", help="For --plan: a folder in models/, or a path to one.")
+@click.option("--poses", "count", default=30, show_default=True, type=click.IntRange(12, 200), help="For --plan: how many.")
+@click.option(
+    "--output",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE",
+    help="Where to write the calibration or plan.",
+)
 @click.option("--format", "form", type=click.Choice(("text", "json")), default="text", show_default=True, help="Form of the output.")
-def calibrate_command(recordings: tuple[Path, ...], rig: str | None, seed: int, model: str, output: Path | None, form: str) -> None:
+def calibrate_command(
+    recordings: tuple[Path, ...],
+    rig: str | None,
+    seed: int,
+    model: str,
+    plan: bool,
+    robot: str,
+    count: int,
+    output: Path | None,
+    form: str,
+) -> None:
     """Solves where the tracker's base stands and how its body sits on the flange; prints residuals, covariance and what was rejected.
 
     RECORDING is a calibration.mcap of `mitl verify`, or one of `mitl record --calibration`: robot and tracker over time, from which the
@@ -43,14 +62,20 @@ def calibrate_command(recordings: tuple[Path, ...], rig: str | None, seed: int, 
     from mitl.cli.progress import Progress  # noqa: PLC0415 - see above
     from mitl.errors import UsageError  # noqa: PLC0415 - see above
 
-    if (rig is None) == (not recordings):
-        raise UsageError("expected recordings, or --rig, and not both")
+    if sum((rig is not None, bool(recordings), plan)) != 1:
+        raise UsageError("expected one of: recordings, --rig, --plan")
+    if plan:
+        from mitl.cli.calibration_plan import write_plan  # noqa: PLC0415 - see above
+
+        write_plan(robot, count, output)
+        return
     wanted = None if model == "auto" else Distortion(model)
     offset: TimeOffset | None = None
+    reference: AveragedPoint | None = None
     with Progress("calibrate") as progress:
         progress.at("reading" if rig is None else "driving through the poses")
         if rig is not None:
-            poses, streams = _from_rig(rig, seed, wanted)
+            poses, streams, reference = _from_rig(rig, seed, wanted)
             solved, offset = streams
         else:
             poses, one = _from_recordings(recordings, wanted)
@@ -61,28 +86,43 @@ def calibrate_command(recordings: tuple[Path, ...], rig: str | None, seed: int, 
                 solved, offset = one
     provenance = {"recordings": ", ".join(str(file) for file in recordings)} if rig is None else {"rig": rig, "seed": str(seed)}
     if output is not None:
-        save_calibration(output, solved, provenance)
+        save_calibration(output, solved, provenance, reference)
     told = _as_json(solved, poses, offset)
     click.echo(json.dumps(told) if form == "json" else _text(told))
     if output is not None:
         click.echo(f"calibration: {output}", err=True)
 
 
-def _from_rig(rig: str, seed: int, model: Distortion | None) -> tuple[CalibrationPoses, tuple[Calibration, TimeOffset]]:
+def _from_rig(
+    rig: str, seed: int, model: Distortion | None
+) -> tuple[CalibrationPoses, tuple[Calibration, TimeOffset], AveragedPoint | None]:
+    """Gives the poses, the calibration with the clocks' offset, and what the device that stands still showed, if there is one."""
     import tempfile  # noqa: PLC0415 - heavy imports only when the command runs
 
-    from mitl import atc  # noqa: PLC0415 - see above
+    from mitl.calibration.frame_check import change_of_device  # noqa: PLC0415 - see above
+    from mitl.engine.calibration_session import AVERAGE, REFERENCE, calibration_program  # noqa: PLC0415 - see above
+    from mitl.errors import RigError  # noqa: PLC0415 - see above
+    from mitl.metrics.uncertainty import DRIFT_SD, DRIFT_TAU, drift_sigma  # noqa: PLC0415 - see above
     from mitl.rig import load_rig  # noqa: PLC0415 - see above
     from mitl.trackers.recorder import RigRecorder  # noqa: PLC0415 - see above
 
     built = load_rig(rig, seed, ())
+    device = built.devices.get(REFERENCE)
+    began = built.clock.now()
+    before = device.average(AVERAGE) if device is not None else None
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "calibration.mcap"
         with RigRecorder(built, file, {"command": "mitl calibrate"}) as recorder:
-            recorder.calibration_poses(Path(atc.__file__).resolve().parent / "calibration.mod")
+            recorder.calibration_poses(calibration_program(built))
         poses, one = _from_recordings((file,), model)
     assert one is not None  # noqa: S101 - our own recording has both streams
-    return poses, one
+    reference = None
+    if device is not None and before is not None:
+        reference, elapsed = device.average(AVERAGE), built.clock.now() - began
+        change = change_of_device(before, reference, drift=drift_sigma(DRIFT_SD, DRIFT_TAU, elapsed), elapsed=elapsed)
+        if change.moved:
+            raise RigError(f"the tracker's frame moved while it was calibrated, calibrate again: {change.told()}")
+    return poses, one, reference
 
 
 def _from_recordings(files: tuple[Path, ...], model: Distortion | None) -> tuple[CalibrationPoses, tuple[Calibration, TimeOffset] | None]:

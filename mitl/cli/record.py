@@ -48,8 +48,8 @@ def record_command(
     if program is not None and calibration:
         raise UsageError("expected --program or --calibration, got both")
 
-    from mitl import atc  # noqa: PLC0415 - see above
     from mitl.cli.progress import Progress  # noqa: PLC0415 - see above
+    from mitl.engine.calibration_session import calibration_program  # noqa: PLC0415 - see above
     from mitl.rig import load_rig  # noqa: PLC0415 - see above
     from mitl.trackers.recorder import RigRecorder  # noqa: PLC0415 - see above
 
@@ -57,7 +57,7 @@ def record_command(
     with Progress("record") as progress, RigRecorder(built, output, {"command": "mitl record"}) as recorder:
         if calibration:
             progress.at("calibration poses")
-            recorder.calibration_poses(Path(atc.__file__).resolve().parent / "calibration.mod")
+            recorder.calibration_poses(calibration_program(built))
         else:
             if program is not None:
                 built.controller.load([program])

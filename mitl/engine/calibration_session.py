@@ -27,6 +27,8 @@ AVERAGE = 0.5
 """Seconds for which a still point is averaged (facts/atc.md)."""
 
 
+STORED_IN = "stored in"
+"""Key of the provenance of a calibration that was not made in this session: its file."""
 REFERENCE = "reference"
 """Name of the device that stands still in view."""
 
@@ -43,6 +45,13 @@ class SessionCalibration:
     poses: CalibrationPoses
     measured_at: float
     reference: AveragedPoint | None = None
+
+
+def calibration_program(rig: Rig, wanted: str | None = None) -> Path:
+    """Gives the RAPID program with the calibration poses: the one wanted, the rig's, or that of mitl's own cases, for an IRB 140."""
+    if wanted is not None:
+        return Path(wanted).resolve()
+    return rig.calibration_program or Path(__file__).resolve().parents[1] / "atc" / "calibration.mod"
 
 
 def measure_poses(rig: Rig, program: Path, *, timeout: float = 60.0) -> CalibrationPoses:
@@ -112,7 +121,7 @@ def calibrate_rig(rig: Rig, program: Path) -> SessionCalibration:
 
 def _stored(file: Path) -> SessionCalibration:
     calibration, reference = load_calibration_and_reference(file)
-    provenance = {**calibration.provenance, "stored in": str(file)}
+    provenance = {**calibration.provenance, STORED_IN: str(file)}
     none = np.empty((0, 7))
     return SessionCalibration(replace(calibration, provenance=provenance), CalibrationPoses(none, none, np.empty(0)), -math.inf, reference)
 

@@ -6,17 +6,23 @@ calibration again. Invariant: it takes the rig's time and leaves the robot stopp
 
 from __future__ import annotations
 
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Protocol
 
 from mitl.calibration.frame_check import FrameChange, change_of_device, change_of_poses
-from mitl.engine.calibration_session import AVERAGE, REFERENCE, SessionCalibration, drive_to_poses
+from mitl.calibration.result import Calibration
+from mitl.calibration.store import age
+from mitl.engine.calibration_session import AVERAGE, REFERENCE, STORED_IN, SessionCalibration, drive_to_poses
 from mitl.engine.recorder import CaseRecorder
 from mitl.errors import MitlError, RigError
 from mitl.metrics.uncertainty import DRIFT_SD, DRIFT_TAU, drift_sigma
 from mitl.protocols import AveragedPoint, Rig, Tracker
 
-_POSES = (1, 9, 17)
+# ASSUMPTION A-187: a session lasts half a day; facts/tracker.md: re-register every session.
+_FRESH = timedelta(hours=12)
+_POSES = (1, 2, 3)
+"""The first ones: the plan has looked at the moves from pose to pose in its order, and at no others."""
 
 
 class FrameWatch(Protocol):
@@ -72,6 +78,17 @@ def frame_watch(rig: Rig, session: SessionCalibration, program: Path) -> FrameWa
 def _drift(elapsed: float) -> float:
     """Gives what drift explains in m of an axis, the worst, over so many seconds."""
     return drift_sigma(DRIFT_SD, DRIFT_TAU, elapsed)
+
+
+def tell_age(calibration: Calibration, recorder: CaseRecorder) -> None:
+    """Says where a stored calibration came from and how old it is; an old one is a warning, though its frame is verified."""
+    file = calibration.provenance.get(STORED_IN)
+    if file is None:
+        return
+    old = age(calibration, datetime.now(UTC))
+    told = "of unknown age" if old is None else f"{old.total_seconds() / 3600.0:.1f} h old"
+    level = "info" if old is not None and old < _FRESH else "warning"
+    recorder.say(level, f"calibrated by {file}, {told}" + ("" if level == "info" else ": calibrate every session (mitl calibrate)"))
 
 
 def refuse_if_moved(watch: FrameWatch) -> FrameChange:

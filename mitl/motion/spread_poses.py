@@ -16,10 +16,11 @@ from mitl.paths import FloatArray
 _MARGIN = float(np.radians(10.0))
 _FROM_SINGULARITY = float(np.radians(15.0))
 _MOST_TILT = float(np.radians(80.0))
-# ASSUMPTION A-188: the volume of the tests is a box .6 of the arm's length wide and deep, .5 high, at the height of the shoulder; what the
-# arm carries needs .15 m around the flange, and .25 m to the column.
+# ASSUMPTION A-188: the volume of the tests is a box .6 of the arm's length deep and high and .9 wide, at most 1 m, at the height of the
+# shoulder; what the arm carries needs .15 m above the floor and .25 m to the column.
 _AHEAD, _ABOVE = 0.62, 0.05
 _HALF = np.array([0.3, 0.45, 0.3])
+_LARGEST = 0.5
 _FLOOR, _COLUMN = 0.15, 0.25
 
 
@@ -32,7 +33,7 @@ class SpreadPoses:
 
 
 def spread_poses(arm: Arm, home: FloatArray, count: int, seed: int = 1) -> SpreadPoses:
-    """Gives up to `count` poses, the same for the same seed; the flange looks ahead and down, tilted by up to 80 deg and turned about itself.
+    """Gives up to `count` poses, the same for the same seed; the flange looks ahead and down, tilted by up to 80 deg, and turned.
 
     home: joints (6,) that the poses are reached from. Those that cannot be taken are left out, so that fewer may come.
     """
@@ -42,7 +43,7 @@ def spread_poses(arm: Arm, home: FloatArray, count: int, seed: int = 1) -> Sprea
     random = np.random.default_rng(seed)
     joints: list[FloatArray] = []
     for _ in range(4 * count):
-        place = centre + random.uniform(-1.0, 1.0, 3) * _HALF * length
+        place = centre + random.uniform(-1.0, 1.0, 3) * np.minimum(_HALF * length, _LARGEST)
         facing = Rotation.from_euler("y", 135.0, degrees=True)
         axis = random.standard_normal(3)
         tilt = Rotation.from_rotvec(axis / np.linalg.norm(axis) * random.uniform(0.0, _MOST_TILT))

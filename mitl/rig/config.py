@@ -5,6 +5,7 @@ kind = "simulation"     # the only kind so far
 robot = "irb140"        # a folder in models/
 tracker = "thesis"      # a preset in models/trackers/, or a preset file (.toml) beside the rig file
 fidelity = "kinematic"  # the executed trajectory is played back; "dynamic": servo, gravity, tracker on a compliant mount
+poses = "poses.mod"     # RAPID program with the calibration poses, made by `mitl calibrate --plan`; the robot's own without it
 calibration = "c.toml"  # a stored calibration beside the rig file, verified at the start of every case; without it every run calibrates
 
 [buttons]               # outputs of the controller that are wired to buttons (0 to 14) of the tracker on the flange
@@ -38,6 +39,7 @@ _TEXTS: dict[str, tuple[str, ...] | None] = {
     "tracker": None,
     "fidelity": ("kinematic", "dynamic"),
     "calibration": None,
+    "poses": None,
 }
 _SECTIONS = ("rig", "buttons", "devices")
 _MOST_BUTTONS = 15
@@ -56,6 +58,7 @@ class DeviceConfig:
 class RigConfig:
     """What a rig file says. name: as results call the rig. calibration: a file, or "" for a calibration of every run's own.
 
+    poses: RAPID program with the calibration poses, or "" for the robot's.
     buttons: output of the controller -> button of the tracker. devices: by name. folder: what paths are relative to.
     """
 
@@ -65,6 +68,7 @@ class RigConfig:
     tracker: str = "thesis"
     fidelity: str = "kinematic"
     calibration: str = ""
+    poses: str = ""
     buttons: Mapping[str, int] = field(default_factory=lambda: {"doTrigger": 0})
     devices: Mapping[str, DeviceConfig] = field(default_factory=lambda: {REFERENCE: DeviceConfig()})
     folder: Path = Path()

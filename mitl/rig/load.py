@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from importlib.metadata import version
+from pathlib import Path
 
 import numpy as np
 from scipy.spatial.transform import RigidTransform, Rotation
@@ -16,6 +17,7 @@ from mitl import __version__
 from mitl.controllers.faults import parse_fault
 from mitl.controllers.simulated import SimulatedController
 from mitl.engine.calibration_session import CASE_ID as CALIBRATION
+from mitl.errors import UsageError
 from mitl.motion.oracles import PlannedOracles
 from mitl.motion.robot_model import RobotModel, load_robot_model
 from mitl.paths import FloatArray
@@ -87,7 +89,21 @@ def load_rig(name_or_file: str, seed: int, faults: Sequence[str]) -> Rig:
         versions={"mitl": __version__, "python": platform.python_version(), **{name: version(name) for name in _PACKAGES}},
         devices={name: tracker for name, tracker in trackers.items() if name != HAND},
         calibration=config.folder / config.calibration if config.calibration else None,
+        calibration_program=_calibration_program(config, model),
     )
+
+
+def _calibration_program(config: RigConfig, model: RobotModel) -> Path | None:
+    """Gives the program with the calibration poses: the rig's own, that of its robot, or None for the IRB 140's, which is the default."""
+    if config.poses:
+        file = config.folder / config.poses
+        if not file.is_file():
+            raise UsageError(
+                f"rig {config.name}: poses = {config.poses!r}: there is no {file}; make one: mitl calibrate --plan --robot ..."
+            )
+        return file
+    file = model.folder / "calibration.mod"
+    return file if file.is_file() else None
 
 
 def _preset(config: RigConfig, name: str) -> TrackerParameters:

@@ -10,19 +10,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mitl.calibration.distortion import Distortion
 from mitl.calibration.pose_choice import most_telling
 from mitl.calibration.pose_set import CalibrationPoses, require_enough
-from mitl.calibration.distortion import Distortion
 from mitl.errors import UsageError
 from mitl.motion.kinematics import Arm
 from mitl.motion.program_run import joints_home
 from mitl.motion.robot_model import RobotModel
 from mitl.motion.spread_poses import spread_poses
 from mitl.paths import FloatArray
+from mitl.simulation.arm_gaps import ArmGaps
 
 POSES = 30
 """Facts/tracker.md: 20 to 40. With 30, half of the registrations leave less than .25 mm at the thesis's points (benchmarks)."""
 _CANDIDATES = 400
+_LEAST_GAP = 0.04
 _STEPS = 12
 """Points of a joint move that are looked at, besides its ends."""
 
@@ -61,8 +63,14 @@ def plan_poses(model: RobotModel, clear: Clear, *, count: int = POSES, seed: int
     return PosePlan(home, joints[order], flange[order])
 
 
+def clear_of_itself(model: RobotModel) -> Clear:
+    """Gives whether the arm with a tracked body on its flange keeps a hand's breadth from itself and from the floor."""
+    gaps = ArmGaps(model.urdf)
+    return lambda q: gaps.smallest(model.between_links(q), _LEAST_GAP) >= _LEAST_GAP
+
+
 def rapid_of(plan: PosePlan, robot: str) -> str:
-    """Gives the program: option 1 moves to the pose whose number is subOption; joint targets, so that neither tool nor work object matter."""
+    """Gives the program: option 1 moves to the pose whose number is subOption; joint targets, as neither tool nor work object matter."""
     rows = ",\n".join(f"      {_target(q)}" for q in plan.joints)
     return _PROGRAM.format(robot=robot, count=len(plan.joints), home=_target(plan.home), rows=rows)
 
@@ -96,8 +104,9 @@ def _way_is_clear(start: FloatArray, end: FloatArray, clear: Clear) -> bool:
 
 _PROGRAM = """MODULE Calibration
   ! Poses for the registration of tracker and robot: option 1 moves to pose number subOption.
-  ! Made by `mitl calibrate --plan` for {robot}: joint targets, so that neither work object nor tool data take part; within the axis
-  ! limits, away from itself also on the way from pose to pose in this order, and from home. Look at it in your own cell at low speed.
+  ! Made by `mitl calibrate --plan` for {robot}. Joint targets: neither work object nor tool
+  ! data take part. They keep the axis limits, and the arm away from itself and the floor, also on the
+  ! way from home to the first and from pose to pose in this order. Run it at low speed first.
   CONST num poseCount := {count};
   CONST jointtarget home := {home};
   CONST jointtarget poses{{{count}}} := [
@@ -111,9 +120,6 @@ _PROGRAM = """MODULE Calibration
       TEST option
       CASE 1:
         MoveAbsJ poses{{subOption}}, v500, fine, tool0;
-        done;
-      CASE 9:
-        MoveAbsJ home, v500, fine, tool0;
         done;
       DEFAULT:
         WaitTime 0.05;

@@ -71,7 +71,7 @@ def test_recordings_of_poses_are_taken_together_and_a_degenerate_set_is_refused(
 
 def test_wrong_usage_is_told(tmp_path, capsys, recorded):
     assert run(["calibrate"]) == 2
-    assert "expected recordings, or --rig" in capsys.readouterr().err
+    assert "expected one of: recordings, --rig, --plan" in capsys.readouterr().err
     assert run(["record", "--output", str(tmp_path / "x.mcap"), "--columns", "vicon"]) == 2
     assert "--columns needs --from" in capsys.readouterr().err
     other = tmp_path / "other.mcap"
