@@ -24,6 +24,12 @@ from mitl.simulation.arm_gaps import ArmGaps
 IRB140 = load_robot_model("irb140")
 
 
+def run(arguments):
+    with pytest.raises(SystemExit) as ended:
+        main(arguments)
+    return ended.value.code
+
+
 def program_of(robot):
     file = models_folder() / robot / "calibration.mod"
     return file if file.is_file() else Path(mitl.atc.__file__).parent / "calibration.mod"
@@ -76,7 +82,7 @@ def test_no_pose_and_no_move_between_them_enters_what_is_not_clear():
 
 def test_a_cell_without_room_is_refused_with_numbers():
     with pytest.raises(UsageError, match=r"only 0 of 400 reachable poses keep their distance, expected 30"):
-        plan_poses(IRB140, lambda q: False)
+        plan_poses(IRB140, lambda _: False)
 
 
 @pytest.mark.parametrize("robot", robot_names())
@@ -102,18 +108,18 @@ def test_a_folded_arm_and_one_at_the_floor_have_no_gap():
 
 def test_the_command_writes_a_program_that_mitl_check_accepts_and_says_how_far_it_spreads(tmp_path, capsys):
     file = tmp_path / "poses.mod"
-    assert main(["calibrate", "--plan", "--robot", "irb120", "--poses", "12", "--output", str(file)]) == 0
+    assert run(["calibrate", "--plan", "--robot", "irb120", "--poses", "12", "--output", str(file)]) == 0
     assert "12 poses over" in capsys.readouterr().err
     assert len(targets(file)) == 13
-    assert main(["check", str(file)]) == 0
-    assert main(["calibrate", "--plan", "--robot", "irb9000"]) == 2
-    assert main(["calibrate", "--plan", "--rig", "sim"]) == 2
+    assert run(["check", str(file)]) == 0
+    assert run(["calibrate", "--plan", "--robot", "irb9000"]) == 2
+    assert run(["calibrate", "--plan", "--rig", "sim"]) == 2
     assert "expected one of: recordings, --rig, --plan" in capsys.readouterr().err
 
 
 def test_another_robot_is_calibrated_by_its_own_program(tmp_path, capsys):
     rig = tmp_path / "small.toml"
     rig.write_text('[rig]\nkind = "simulation"\nrobot = "irb120"\ntracker = "ideal"\n')
-    assert main(["calibrate", "--rig", str(rig), "--output", str(tmp_path / "c.toml")]) == 0
+    assert run(["calibrate", "--rig", str(rig), "--output", str(tmp_path / "c.toml")]) == 0
     assert "30 of 30 poses used" in capsys.readouterr().out
     assert "[reference]" in (tmp_path / "c.toml").read_text()
