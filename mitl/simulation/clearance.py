@@ -72,15 +72,19 @@ class Clearance:
         self._known: dict[GeometryId, _Body] = {}
 
     def gaps(self, q: FloatArray, within: float) -> list[Gap]:
-        """Gives the gaps of less than `within` m at angles (6,) rad between the links, the smallest first."""
+        """Gives the gaps of less than `within` m at angles (6,) rad between the links, one a pair of bodies, the smallest first."""
         self._plant.SetPositions(self._plant_context, self._robot, for_drake(q))
         query = self._scene_graph.get_query_output_port().Eval(self._scene_context)
         inspector = query.inspector()
-        found = []
+        found: dict[tuple[str, str], Gap] = {}
         for pair in query.ComputeSignedDistancePairwiseClosestPoints(within):
-            a, b = sorted((self._body(inspector, geometry) for geometry in (pair.id_A, pair.id_B)), key=lambda body: body.of_cell)
-            found.append(Gap(float(pair.distance), (a.name, b.name), a.of_cell or b.of_cell, a.of_wrist and b.of_wrist))
-        return sorted(found, key=lambda gap: gap.distance)
+            a, b = sorted(
+                (self._body(inspector, geometry) for geometry in (pair.id_A, pair.id_B)), key=lambda body: (body.of_cell, body.name)
+            )
+            gap = Gap(float(pair.distance), (a.name, b.name), a.of_cell or b.of_cell, a.of_wrist and b.of_wrist)
+            if gap.bodies not in found or gap.distance < found[gap.bodies].distance:
+                found[gap.bodies] = gap
+        return sorted(found.values(), key=lambda gap: gap.distance)
 
     def _body(self, inspector: SceneGraphInspector, geometry: GeometryId) -> _Body:
         if geometry not in self._known:

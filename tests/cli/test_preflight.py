@@ -178,24 +178,29 @@ def test_what_cannot_be_read_is_told_with_exit_code_2(tmp_path, capsys, words, s
 
 ORDERS = [
     *(("atc_0.mod", option, sub) for option, subs in ((1, 4), (2, 3)) for sub in range(1, subs + 1)),
-    *(("atc_1.mod", option, sub) for option, subs in ((1, 2), (2, 2), (3, 4), (4, 1)) for sub in range(1, subs + 1)),
+    *(("atc_1.mod", option, sub) for option, subs in ((1, 2), (2, 2), (3, 4), (4, 1), (5, 1)) for sub in range(1, subs + 1)),
+    *(("atc_2.mod", option, sub) for option, sub in ((1, 4), (2, 1), (3, 1))),
+    *(("atc_4.mod", option, 1) for option in (1, 2, 3, 4)),
+    *(("atc_5.mod", option, sub) for option, sub in ((1, 1), (1, 3), (2, 3), (3, 1), (5, 1))),  # 4 is there to be refused
+    ("atc_6.mod", 1, 1),
+    *(("tracker.mod", option, 1) for option in (1, 2, 3)),
+    *(("calibration.mod", 1, pose) for pose in (1, 11, 21, 24)),
 ]
 
 
 @pytest.mark.parametrize(("module", "option", "sub"), ORDERS)
 def test_our_own_cases_pass_without_findings_on_their_robot_in_a_cell(module, option, sub, capsys):
-    words = ["--set", f"option={option}", "--set", f"subOption={sub}", "--max-time", "60", "--cell", "bench", "--clearance", "20"]
+    words = ["--set", f"option={option}", "--set", f"subOption={sub}", "--max-time", "12", "--cell", "bench", "--clearance", "20"]
     assert run(["preflight", str(ATC / module), *words, "--format", "json"]) == 0
     report = json.loads(capsys.readouterr().out)
     assert report["findings"] == []
     assert report["samples"] > 50
 
 
-@pytest.mark.parametrize("pose", [1, 11, 21, 24])
-def test_calibration_poses_pass_without_findings(pose, capsys):
-    words = ["--set", "option=1", "--set", f"subOption={pose}", "--max-time", "8", "--cell", "bench"]
-    assert run(["preflight", str(ATC / "calibration.mod"), *words, "--format", "json"]) == 0
-    assert json.loads(capsys.readouterr().out)["findings"] == []
+def test_the_order_that_a_controller_must_refuse_is_refused_in_advance(capsys):
+    words = ["--set", "option=4", "--set", "subOption=2", "--max-time", "3"]
+    assert run(["preflight", str(ATC / "atc_5.mod"), *words, "--format", "json"]) == 1
+    assert [finding["code"] for finding in json.loads(capsys.readouterr().out)["findings"]] == ["axis-limit"]
 
 
 def test_the_example_of_the_documentation_is_real(tmp_path, capsys, monkeypatch):
