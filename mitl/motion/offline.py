@@ -16,7 +16,6 @@ from scipy.spatial.transform import RigidTransform, Rotation
 from mitl.motion import bridge
 from mitl.motion.chain import Planner
 from mitl.motion.kinematics import Arm
-from mitl.motion.orientation import OrientationLaw, evenly
 from mitl.motion.path import IndexArray
 from mitl.motion.program_run import ProgramRun, joints_home
 from mitl.motion.record import TICK, ExecutedMove, MotionRecord, View
@@ -51,11 +50,10 @@ def start_run(
     model: RobotModel,
     *,
     inputs: Sequence[InputChange] = (),
-    orientation_law: OrientationLaw = evenly,
+    planner: Planner | None = None,
 ) -> ProgramRun:
-    """Gives a program run from the robot's rest position at time 0, not yet begun."""
-    planner = Planner(model, orientation_law=orientation_law)
-    return ProgramRun(generator, planner, MotionRecord(model, joints_home()), inputs=inputs)
+    """Gives a program run from the robot's rest position at time 0, not yet begun. planner: another than the model's ordinary one."""
+    return ProgramRun(generator, planner or Planner(model), MotionRecord(model, joints_home()), inputs=inputs)
 
 
 def run_until(

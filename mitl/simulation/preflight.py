@@ -86,8 +86,8 @@ def preflight(
 
     max_time: cut the program off there, in s of its own time; without it one that runs on after 600 s is a finding.
     """
-    run = start_run(task.run(), model, inputs=inputs)
-    run.planner = planner = ForgivingPlanner(model)
+    planner = ForgivingPlanner(model)
+    run = start_run(task.run(), model, inputs=inputs, planner=planner)
     ended: list[Finding] = []
     try:
         run_until(run, _LONGEST if max_time is None else max_time, progress=lambda now: progress(f"{now:.1f} s of the robot's time"))
