@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Protocol, runtime_checkable
 
 from mitl.paths import FloatArray, PosePath
+from mitl.samples import TrackerSamples
 
 
 class ExecutionState(Enum):
@@ -139,6 +140,15 @@ class Tracker(Protocol):
 
     def average(self, seconds: float) -> AveragedPoint:
         """Measures a still point for `seconds` of the rig's time from now on; recording may go on meanwhile."""
+        ...
+
+
+@runtime_checkable
+class DetailedTracker(Protocol):
+    """A tracker that tells more than poses."""
+
+    def samples(self) -> TrackerSamples:
+        """Gives the path so far with result codes, buttons and velocities."""
         ...
 
 

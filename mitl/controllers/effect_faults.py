@@ -242,33 +242,5 @@ def wait_time(per_cent: float) -> EffectFilter:
     return longer
 
 
-def acceleration_limits_ignored(share: float) -> EffectFilter:
-    """Gives a filter that loses a share of what PathAccLim and AccSet take away; 1 is all of it."""
-
-    def looser(limit: float | None) -> float | None:
-        return None if limit is None or share >= 1 else limit / (1 - share)
-
-    def ignored(effect: effects.Effect) -> effects.Effect:
-        match effect:
-            case effects.LimitPathAcceleration():
-                return replace(effect, acceleration=looser(effect.acceleration), deceleration=looser(effect.deceleration))
-            case effects.SetAcceleration():
-                ramp = effect.ramp + share * (100 - effect.ramp)
-                return replace(effect, acceleration=effect.acceleration + share * (100 - effect.acceleration), ramp=ramp)
-            case _:
-                return effect
-
-    return ignored
-
-
-def sing_area_ignored(share: float) -> EffectFilter:
-    """Gives a filter that takes every SingArea for Off; there is nothing between, so that a share below one half does nothing."""
-
-    def off(effect: effects.Effect) -> effects.Effect:
-        return replace(effect, mode="off") if isinstance(effect, effects.SetSingularity) and share >= 0.5 else effect
-
-    return off
-
-
 def _times(factor: float, position: data.Pos) -> data.Pos:
     return data.Pos(factor * position.x, factor * position.y, factor * position.z)

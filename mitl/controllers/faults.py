@@ -13,6 +13,7 @@ import numpy as np
 
 from mitl.controllers import effect_faults as bugs
 from mitl.controllers import servo_faults as servo
+from mitl.controllers import setting_faults as settings
 from mitl.errors import UsageError
 from mitl.motion.orientation import OrientationLaw, evenly
 from mitl.motion.robot_model import RobotModel
@@ -23,7 +24,8 @@ from rapid_interp import effects
 
 @dataclass(frozen=True)
 class FaultKind:
-    """A kind of fault. layer: where the bug lives, "interpreter", "planner", "interpolator" or "servo". size: the default, in `unit`.
+    """A kind of fault. layer: where the bug lives, "interpreter", "planner", "interpolator", "servo" or "I/O".
+    size: the default, in `unit`.
 
     One of these says what it does, given its size: a filter of effects, a law of turning, another robot model, a way to play the plan
     back, or by how much the arm's axes are off.
@@ -78,6 +80,10 @@ def effect_filter(faults: Sequence[Fault]) -> EffectFilter:
     def all_of_them(effect: effects.Effect) -> effects.Effect:
         for one in filters:
             effect = one(effect)
+            if isinstance(effect, effects.TriggerMove):  # the motion in it is as wrong as any other
+                inner = one(effect.move)
+                assert isinstance(inner, effects.Motion)  # noqa: S101 - a filter makes no other effect of a motion
+                effect = replace(effect, move=inner)
         return effect
 
     return all_of_them
@@ -163,7 +169,10 @@ KINDS = {
         FaultKind("tool-inverted", "the tool is inverted; a share of .5 ignores it", "interpreter", "share", 1.0, bugs.tool_inverted),
         FaultKind("wrong-arc", "arcs are run on the other side of their chord", "planner", "share", 1.0, bugs.wrong_arc),
         FaultKind("wait-time", "WaitTime is too long", "interpreter", "per cent", 20.0, bugs.wait_time),
-        FaultKind("sing-area-ignored", "SingArea is always \\Off", "planner", "share", 1.0, bugs.sing_area_ignored),
+        FaultKind("sing-area-ignored", "SingArea is always \\Off", "planner", "share", 1.0, settings.sing_area_ignored),
+        FaultKind("trigger-late", "triggers come late (or, negative, early)", "I/O", "ms", 60.0, settings.trigger_late),
+        FaultKind("trigger-missing", "a share of the triggers does not come", "I/O", "share", 0.2, settings.trigger_missing),
+        FaultKind("equip-lag-sign", "EquipLag acts the wrong way; a share of .5 ignores it", "I/O", "share", 1.0, settings.equip_lag_sign),
         FaultKind("joint-limit-ignored", "axes may turn beyond their range", "planner", "deg", 30.0, make_model=wider_limits),
         FaultKind("speed-dip", "the speed sags in every zone", "interpolator", "per cent", 20.0, make_playback=servo.speed_dip),
         FaultKind("hiccup", "the motion halts within moves", "interpolator", "ms", 40.0, make_playback=servo.hiccup),

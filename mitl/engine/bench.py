@@ -15,8 +15,9 @@ from mitl.engine.recorder import CaseRecorder
 from mitl.errors import RigError
 from mitl.metrics.glitch import without_glitches
 from mitl.paths import FloatArray, PosePath
-from mitl.protocols import AveragedPoint, Clock, Controller, ExecutionState, LoggedEvent, Oracle, Rig, Tracker
+from mitl.protocols import AveragedPoint, Clock, Controller, DetailedTracker, ExecutionState, LoggedEvent, Oracle, Rig, Tracker
 from mitl.recording.records import PoseTrack
+from mitl.samples import TrackerSamples
 
 STILL = 0.3
 """Seconds recorded before the order and after its end, so that both ends of the motion are seen at rest."""
@@ -30,7 +31,8 @@ class TrackedRun:
     """One order to the program, tracked.
 
     raw: X_LM on the tracker's clock, invalid samples included. tool: the valid samples as X_OT, times unchanged. oracle: on its own clock,
-    0 where the program starts. began, ended: s on the rig's clock, when the order was given and when it was seen to be done.
+    0 where the program starts. began, ended: s on the rig's clock, when the order was given and when it was seen to be done. samples: what
+    the tracker told besides `raw`, buttons above all.
     """
 
     option: int
@@ -41,6 +43,7 @@ class TrackedRun:
     oracle: Oracle
     began: float
     ended: float
+    samples: TrackerSamples
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,7 +147,8 @@ class Bench:
         self._recorder.runs.append(RecordedRun(label, raw, tool, oracle.tcp, shift, *expected, since, oracle.tool, oracle.wobj))
         if tool is None or not len(tool):
             raise RigError(f"the tracker gave no valid pose during {label} ({len(raw)} samples): is it in view and awake?")
-        return TrackedRun(option, sub_option, chosen, raw, tool, oracle, began, ended)
+        samples = self.tracker.samples() if isinstance(self.tracker, DetailedTracker) else TrackerSamples.plain(raw)
+        return TrackedRun(option, sub_option, chosen, raw, tool, oracle, began, ended, samples)
 
     def oracle(self, option: int, sub_option: int = 0, *, variables: Mapping[str, str] | None = None) -> Oracle:
         """Gives what a nominal controller does with an order to the case's program; tool and work object of later points are its own."""

@@ -6,13 +6,12 @@ Invariant: what is older than a second of the rig's time is in the file, whateve
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Protocol, runtime_checkable
 
 import numpy as np
 
 from mitl.errors import RigError
 from mitl.paths import FloatArray, PosePath
-from mitl.protocols import ExecutionState, Rig
+from mitl.protocols import DetailedTracker, ExecutionState, Rig
 from mitl.recording.mcap_writer import RecordingWriter
 from mitl.recording.records import JOINTS, TRACKER, Series
 from mitl.samples import TrackerSamples
@@ -24,15 +23,6 @@ STATE = "/tracker/state"
 _POLL = 0.02  # s between two looks at the robot
 _EVERY = 0.5  # s between two handings over of samples
 _STANDS = 0.8  # s at each calibration pose
-
-
-@runtime_checkable
-class DetailedTracker(Protocol):
-    """A tracker that tells more than poses."""
-
-    def samples(self) -> TrackerSamples:
-        """Gives the path so far with result codes, buttons and velocities."""
-        ...
 
 
 class RigRecorder:

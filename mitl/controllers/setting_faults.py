@@ -1,0 +1,78 @@
+"""Faults of triggers and of settings: filters of effects, as those of moves in `effect_faults`.
+
+Invariant: a filter is made anew for every run of a program.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from mitl.motion.task_run import EffectFilter
+from rapid_interp import effects
+
+
+def trigger_late(milliseconds: float) -> EffectFilter:
+    """Gives a filter that makes triggers late."""
+
+    def late(effect: effects.Effect) -> effects.Effect:
+        if not isinstance(effect, effects.TriggerMove):
+            return effect
+        return replace(effect, triggers=tuple(replace(one, lag=one.lag - 1e-3 * milliseconds) for one in effect.triggers))
+
+    return late
+
+
+def trigger_missing(share: float) -> EffectFilter:
+    """Gives a filter that loses triggers, evenly spread."""
+    owed = 0.0
+
+    def lost(effect: effects.Effect) -> effects.Effect:
+        nonlocal owed
+        if not isinstance(effect, effects.TriggerMove):
+            return effect
+        owed += share
+        if owed < 1.0:
+            return effect
+        owed -= 1.0
+        return effect.move
+
+    return lost
+
+
+def equip_lag_sign(share: float) -> EffectFilter:
+    """Gives a filter that takes the time a device needs with the wrong sign."""
+
+    def turned(effect: effects.Effect) -> effects.Effect:
+        if not isinstance(effect, effects.TriggerMove):
+            return effect
+        return replace(effect, triggers=tuple(replace(one, lag=(1 - 2 * share) * one.lag) for one in effect.triggers))
+
+    return turned
+
+
+def acceleration_limits_ignored(share: float) -> EffectFilter:
+    """Gives a filter that loses a share of what PathAccLim and AccSet take away; 1 is all of it."""
+
+    def looser(limit: float | None) -> float | None:
+        return None if limit is None or share >= 1 else limit / (1 - share)
+
+    def ignored(effect: effects.Effect) -> effects.Effect:
+        match effect:
+            case effects.LimitPathAcceleration():
+                return replace(effect, acceleration=looser(effect.acceleration), deceleration=looser(effect.deceleration))
+            case effects.SetAcceleration():
+                ramp = effect.ramp + share * (100 - effect.ramp)
+                return replace(effect, acceleration=effect.acceleration + share * (100 - effect.acceleration), ramp=ramp)
+            case _:
+                return effect
+
+    return ignored
+
+
+def sing_area_ignored(share: float) -> EffectFilter:
+    """Gives a filter that takes every SingArea for Off; there is nothing between, so that a share below one half does nothing."""
+
+    def off(effect: effects.Effect) -> effects.Effect:
+        return replace(effect, mode="off") if isinstance(effect, effects.SetSingularity) and share >= 0.5 else effect
+
+    return off
