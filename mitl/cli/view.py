@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,10 +23,18 @@ if TYPE_CHECKING:
 @click.option("--html", type=click.Path(dir_okay=False, path_type=Path), metavar="OUT", help="Write one HTML file that needs no network.")
 @click.option("--robot", metavar="NAME", help="The robot, for files that do not name theirs (see mitl oracle --help).")
 @click.option("--limit", type=click.FloatRange(min=0.0, min_open=True), metavar="MM", help="Distance from the oracle at which red begins.")
+@click.option("--cell", metavar="NAME|FOLDER|FILE", help="What stands around the robot, in Meshcat (see mitl preflight --help).")
 @click.option("--run", "wanted", metavar="NAME", help="Of a recording with several runs, the one to show in Meshcat.")
 @click.option("--port", type=click.IntRange(1024, 65535), metavar="N", help="Port of Meshcat; the first free one from 7000 on otherwise.")
 def view_command(
-    file: Path, oracle: Path | None, html: Path | None, robot: str | None, limit: float | None, wanted: str | None, port: int | None
+    file: Path,
+    oracle: Path | None,
+    html: Path | None,
+    robot: str | None,
+    limit: float | None,
+    cell: str | None,
+    wanted: str | None,
+    port: int | None,
 ) -> None:
     """Replays FILE with robot, oracle and recording on one time slider, coloured by the distance from the oracle.
 
@@ -52,18 +61,22 @@ def view_command(
         if not takes:
             raise UsageError(f"{file}: no run {wanted!r}; there are {', '.join(names)}")
     if html is not None:
+        if cell is not None:
+            raise UsageError("--cell is shown in Meshcat only: leave --html out")
         write_page(html, replay_page(takes))
         click.echo(html)
         return
-    _serve(takes[0], [take.title for take in takes[1:]], port)
+    _serve(takes[0], [take.title for take in takes[1:]], port, cell)
 
 
-def _serve(take: Take, others: list[str], port: int | None) -> None:
+def _serve(take: Take, others: list[str], port: int | None, cell: str | None) -> None:
     from mitl.report.replay import animation_of  # noqa: PLC0415 - see above
+    from mitl.simulation.cell import load_cell  # noqa: PLC0415 - loads Drake
     from mitl.simulation.meshcat_replay import open_meshcat, publish  # noqa: PLC0415 - loads Drake
 
+    around = None if cell is None else load_cell(cell)
     meshcat = open_meshcat(port)
-    publish(meshcat, animation_of(take))
+    publish(meshcat, replace(animation_of(take), cell=around))
     click.echo(meshcat.web_url())
     click.echo(f"{take.title}: play it under Open Controls > Animations; Ctrl-C ends", err=True)
     if others:

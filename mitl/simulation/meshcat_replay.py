@@ -21,6 +21,7 @@ from pydrake.systems.framework import DiagramBuilder
 
 from mitl.errors import UsageError
 from mitl.paths import FloatArray
+from mitl.simulation.cell import Cell
 
 Colour = tuple[float, float, float]
 _TOOL = (0.42, 0.29, 0.77, 1.0)
@@ -48,7 +49,10 @@ class Marker:
 
 @dataclass(frozen=True, eq=False)
 class Animation:
-    """What is replayed. time: (N,) s from 0. joints: (N, 6) rad between the links, of the robot in `urdf`. tool: (3,) m in the flange."""
+    """What is replayed. time: (N,) s from 0. joints: (N, 6) rad between the links, of the robot in `urdf`. tool: (3,) m in the flange.
+
+    cell: what stands around the robot, whose base is the world.
+    """
 
     time: FloatArray
     curves: Sequence[Curve]
@@ -56,6 +60,7 @@ class Animation:
     urdf: Path | None = None
     joints: FloatArray | None = None
     tool: FloatArray | None = None
+    cell: Cell | None = None
 
 
 def open_meshcat(port: int | None) -> Meshcat:
@@ -79,6 +84,8 @@ def publish(meshcat: Meshcat, animation: Animation) -> None:
     plant, scene = AddMultibodyPlantSceneGraph(builder, 0.0)
     if animation.urdf is not None and animation.joints is not None:
         _add_robot(plant, scene, animation)
+    if animation.cell is not None:
+        animation.cell.add_to(plant)
     plant.Finalize()
     visualizer = MeshcatVisualizer.AddToBuilder(builder, scene, meshcat)
     diagram = builder.Build()

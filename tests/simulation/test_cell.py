@@ -99,3 +99,14 @@ def test_a_broken_model_is_refused(folder):
 
 def test_bench_is_the_folder_that_comes_with_mitl():
     assert (models_folder() / "cells" / "bench" / "cell.urdf").is_file()
+
+
+def test_meshcat_shows_the_cell_around_the_robot():
+    from mitl.motion.robot_model import load_robot_model
+    from mitl.simulation.meshcat_replay import Animation, open_meshcat, publish
+
+    meshcat = open_meshcat(None)
+    still = Animation(np.array([0.0, 0.1]), [], [], load_robot_model("irb140").urdf, np.zeros((2, 6)), None, load_cell("bench"))
+    publish(meshcat, still)
+    for body in ("table", "fence", "belt"):
+        assert meshcat.HasPath(f"visualizer/bench/{body}") or meshcat.HasPath(f"visualizer/cell/bench/{body}"), body
