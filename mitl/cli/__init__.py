@@ -29,6 +29,7 @@ COMMANDS = {
     "characterise": "Statistics of a tracker from its recordings.",
     "fit-tracker": "Fit a tracker preset to still recordings.",
     "view": "Replay a recording or an oracle in 3-D.",
+    "export": "Write a recording as CSV, TUM text, XML, or a Foxglove layout.",
     "report": "Make the report of an earlier run again.",
     "history": "Keep runs, and see their trends.",
     "diff": "What changed from one run to another.",

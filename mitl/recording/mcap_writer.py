@@ -108,8 +108,8 @@ class RecordingWriter:
     def add_series(self, topic: str, series: Series) -> None:
         """Appends rows to a topic; its columns must stay the same."""
         if topic not in self._channels:
-            fields = _identifiers(series.columns)
-            name = _identifiers((topic.strip("/").replace("/", "_"),))[0]
+            fields = field_names(series.columns)
+            name = field_names((topic.strip("/").replace("/", "_"),))[0]
             schema = self._schema(f"mitl.{name}", "protobuf", series_schema(name, fields))
             columns = {"columns": json.dumps(series.columns)}
             self._channels[topic] = self._writer.register_channel(topic, "protobuf", schema, columns)
@@ -227,8 +227,8 @@ def _nanoseconds(time: FloatArray) -> Nanoseconds:
     return seconds.astype(np.int64) * 1_000_000_000 + np.rint((time - seconds) * 1e9).astype(np.int64)
 
 
-def _identifiers(names: Sequence[str]) -> tuple[str, ...]:
-    """Gives names that protobuf allows, all different; the true ones stand in the channel's metadata."""
+def field_names(names: Sequence[str]) -> tuple[str, ...]:
+    """Gives the names of a series' columns that protobuf allows, all different; the true ones stand in the channel's metadata."""
     taken: list[str] = []
     for name in names:
         plain = re.sub(r"\W", "_", name, flags=re.ASCII)
