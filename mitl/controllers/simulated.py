@@ -14,6 +14,7 @@ from mitl.errors import MotionError, RigError
 from mitl.motion.chain import Planner
 from mitl.motion.program_run import ProgramRun, joints_home
 from mitl.motion.record import MotionRecord, View
+from mitl.motion.robot_effects import StopKind
 from mitl.motion.robot_model import RobotModel
 from mitl.paths import FloatArray
 from mitl.poses import pose_of
@@ -24,7 +25,6 @@ from rapid_interp.effects import SourceLine
 _RUNTIME_ERROR = 40000
 _MOTION_ERROR = 50000
 _INFORMATION = 10000
-_WARNING = 50024
 
 
 class SimulatedController:
@@ -80,17 +80,26 @@ class SimulatedController:
 
     def run(self, now: float) -> None:
         """Lets the program go on. What stops it by itself goes to the event log, as on a real controller."""
+        self._watched(now, lambda run: run.run(now - self._origin))
+
+    def _watched(self, now: float, step: Callable[[ProgramRun], None]) -> None:
+        """Lets the program do something; what goes wrong, and what it tells, goes to the event log."""
         if self._run is None:
             return
-        known = len(self._run.events)
+        known, told = len(self._run.events), self._run.stopped_at
         try:
-            self._run.run(now - self._origin)
+            step(self._run)
         except (RapidError, RapidErrors) as error:
             self._fail(now, _RUNTIME_ERROR, str(error))
         except MotionError as error:
             self._fail(now, _MOTION_ERROR, str(error))
         for event in self._run.events[known:]:
-            self._log(now, _WARNING, "warning", event.text)
+            number, _, text = event.text.partition(" ")
+            known_number = int(number) if number.isdigit() else _INFORMATION
+            self._log(now, known_number, "warning", text if number.isdigit() else event.text)
+        if self._run.stopped_at is not None and told is None:
+            at = self._run.stopped_at
+            self._log(now, _INFORMATION, "info", f"the program stopped itself at {at.module}:{at.line}")
 
     def joints_at(self, time: float) -> FloatArray:
         """Gives the joints (6,) rad of the arm at `time` s."""
@@ -117,16 +126,20 @@ class SimulatedController:
         self._events = []
 
     def start(self) -> None:
-        """Starts execution at main; a program that was stopped on its way has to be loaded again."""
+        """Starts execution at main, or resumes a program that was stopped on its way; the arm goes on along its path."""
         if self._task is None:
             raise RigError("start refused: no program is loaded")
         if not self._motors:
             raise RigError("start refused: the motors are off")
         if self.state() is ExecutionState.RUNNING:
             raise RigError("start refused: RAPID is executing already")
-        if self._run is not None:
-            raise RigError("start refused: the program was stopped or has ended; load it again")
         now = self._now() - self._origin
+        if self._run is not None:
+            if not self._run.resumable:
+                raise RigError("start refused: the program has ended; load it again")
+            self._log(self._now(), _INFORMATION, "info", "program restarted")
+            self._watched(self._now(), lambda run: run.resume(now))
+            return
         self._run = ProgramRun(
             self._task.run(), self._planner, self._record, now=now, live_inputs=self._inputs, effect_filter=effect_filter(self._faults)
         )
@@ -134,17 +147,17 @@ class SimulatedController:
         self._failed = False
         self._log(self._now(), _INFORMATION, "info", "program started")
 
-    def stop(self) -> None:
-        """Stops execution along the path. Safe to call at any time, also twice."""
+    def stop(self, kind: StopKind = StopKind.PROGRAM) -> None:
+        """Stops execution along the path, so that `start` can resume it. Safe to call at any time, also twice."""
         if self._run is not None and self.state() is ExecutionState.RUNNING:
-            self._run.close(self._now() - self._origin)
-            self._log(self._now(), _INFORMATION, "info", "program stopped")
+            self._run.hold(self._now() - self._origin, kind)
+            self._log(self._now(), _INFORMATION, "info", f"program stopped ({kind.value})")
 
     def state(self) -> ExecutionState:
-        """Gives whether RAPID is executing; a program that has ended runs until its last motion has."""
+        """Gives whether RAPID is executing; a program that has ended or was stopped runs until its last motion has."""
         if self._run is None or self._failed:
             return ExecutionState.STOPPED
-        ended = self._run.finished and self._now() - self._origin >= self._record.end
+        ended = not self._run.going and self._now() - self._origin >= self._record.end
         return ExecutionState.STOPPED if ended else ExecutionState.RUNNING
 
     def read(self, name: str) -> str:
@@ -179,9 +192,9 @@ class SimulatedController:
         return pose_of(self._planner.arm.flange(self.joints()))
 
     def set_motors(self, on: bool) -> None:
-        """Switches the motors; off stops the program."""
+        """Switches the motors; off stops the program as hard as it can."""
         if not on:
-            self.stop()
+            self.stop(StopKind.EMERGENCY)
         self._motors = on
 
     def set_speed_ratio(self, per_cent: float) -> None:

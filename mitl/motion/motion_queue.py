@@ -279,7 +279,7 @@ class MotionQueue:
                 event.time = max(segment.start + time, now)
 
     def _found(self, move: Queued) -> tuple[Segment, int] | None:
-        for segment in reversed(self._segments):
+        for segment in reversed(self._segments if not move.cleared else []):
             index = segment.index_of(move)
             if index is not None:
                 return segment, index

@@ -103,6 +103,16 @@ class ProgramRun:
         return self._main.finished or self._main.stopped
 
     @property
+    def going(self) -> bool:
+        """Gives whether the program goes on by itself: it has not ended, not stopped itself and is not held."""
+        return not self.finished and self._held is None
+
+    @property
+    def resumable(self) -> bool:
+        """Gives whether the program is held, or stopped itself, and can be resumed."""
+        return not self._main.finished and not self.going
+
+    @property
     def stopped_at(self) -> effects.SourceLine | None:
         """Gives the instruction at which the program stopped by itself and may be resumed; None where it did not."""
         return self._main.at if self._main.stopped else None

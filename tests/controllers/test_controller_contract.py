@@ -131,6 +131,19 @@ def test_stop_brakes_the_arm_along_its_path_and_may_be_called_twice(running):
     assert np.array_equal(running.controller.joints(), resting)
 
 
+def test_a_stopped_program_is_resumed_where_it_was(running):
+    running.controller.write("option", "1")
+    running.clock.wait(0.3)
+    running.controller.stop()
+    running.clock.wait(0.5)
+    assert np.degrees(running.controller.joints())[0] < 19.0
+    running.controller.start()
+    wait_for(running, "option", "0")
+    running.clock.wait(0.2)
+    assert np.degrees(running.controller.joints()) == pytest.approx([20, 10, 0, 0, 40, 0], abs=0.01)
+    assert running.controller.read_signal("doThere") == 1.0
+
+
 def test_a_program_that_cannot_move_stops_by_itself_and_says_why_in_the_event_log(running):
     running.controller.write("option", "2")
     running.clock.wait(0.5)
