@@ -64,6 +64,11 @@ class SimulatedController:
         """Where the program pointer is: the line of the last instruction that was taken on, or None before the first."""
         return None if self._run is None else self._run.at
 
+    @property
+    def resumable(self) -> bool:
+        """Whether a program was stopped, or stopped itself, and `start` resumes it."""
+        return self._run is not None and self._run.resumable
+
     def reset(self) -> None:
         """Puts everything back to how it was switched on: arm at home, no program, no event; its motion begins now."""
         self._origin = self._now()

@@ -88,7 +88,7 @@ class VirtualCell:
         self._seen_events = len(events)
         running = self.running
         if self._was_running and not running:
-            self._ended = not any(event.level == "error" for event in events)
+            self._ended = not self.controller.resumable and not any(event.level == "error" for event in events)
             if self._ended and self.cycle == "forever":
                 self._link(keep_all=True)
                 self.controller.start()
