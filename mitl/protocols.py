@@ -213,6 +213,7 @@ class Rig:
     begin_case: called with the case's id before each case, so that a simulated rig reseeds itself: same seed, same case, same numbers.
     devices: further tracked devices in the tracker's frame, by name, e.g. "belt", or "reference", which stands still.
     calibration: file of a stored calibration, or None where every run calibrates. calibration_program: RAPID with its poses, or None.
+    close: called at the end of the run; leaves the rig as it was found.
     """
 
     name: str
@@ -227,3 +228,4 @@ class Rig:
     devices: Mapping[str, Tracker] = field(default_factory=dict)
     calibration: Path | None = None
     calibration_program: Path | None = None
+    close: Callable[[], None] = lambda: None

@@ -121,7 +121,10 @@ def mitl_rig(pytestconfig: pytest.Config) -> Iterator[Rig]:
     if isinstance(loaded, Exception):
         raise loaded
     yield loaded
-    loaded.controller.stop()
+    try:
+        loaded.controller.stop()
+    finally:
+        loaded.close()
 
 
 @pytest.fixture(scope="session")

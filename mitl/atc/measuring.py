@@ -57,7 +57,7 @@ def timed(run: TrackedRun) -> TimedRun:
     be told from a turn about the centre. Raises RigError where the first move does not tell the clocks' offset.
     """
     ends = run.oracle.moves[0].ends + _REST
-    began = float(run.raw.time[0]) + STILL
+    began = run.given
     reference = run.oracle.tcp.between(0.0, ends)
     offset = refine_offset(reference, run.tool.between(began - STILL, began + ends), -began)
     if not np.isfinite(offset.sigma):

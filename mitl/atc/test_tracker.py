@@ -41,7 +41,7 @@ def test_reaction(bench: Bench, check: Check) -> None:
     times = []
     for number in range(1, RUNS + 1):
         run = bench.run(3, variables={"speed": "200"}, name=f"hop {number}")
-        called = float(run.raw.time[0]) + STILL
+        called = run.given
         rest = run.tool.between(called - STILL, called)
         smooth = window_means(run.tool.time, run.tool.position, _SMOOTH)
         away = np.linalg.norm(smooth - rest.position.mean(axis=0), axis=1) > _FAR

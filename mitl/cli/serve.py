@@ -48,6 +48,13 @@ PASSWORD_VARIABLE = "MITL_SERVE_PASSWORD"  # noqa: S105 - the name of a variable
 @click.option("--fault", "faults", multiple=True, metavar="NAME[=SIZE]", help="Break the controller on purpose (mitl faults).")
 @click.option("--tls/--no-tls", default=None, help="Encrypt with a certificate of its own; as real ones: off with 1, on with 2 and 8.")
 @click.option(
+    "--poses", type=click.Path(dir_okay=False, path_type=Path), help="File for a simulated tracker's poses (for a stand-in for SteamVR)."
+)
+@click.option("--tracker", default="thesis", show_default=True, help="With --poses: the tracker's preset, in models/trackers/.")
+@click.option(
+    "--seed", default=1, show_default=True, type=click.IntRange(min=0), help="With --poses: where the tracker is put, and its noise."
+)
+@click.option(
     "--rate-limit",
     default=0.0,
     type=click.FloatRange(min=0),
@@ -65,6 +72,9 @@ def serve_command(
     signals: tuple[str, ...],
     faults: tuple[str, ...],
     tls: bool | None,
+    poses: Path | None,
+    tracker: str,
+    seed: int,
     rate_limit: float,
 ) -> None:
     """Serves a virtual controller: the simulated controller, real RAPID, behind Robot Web Services 1.0, 2.0 or those of RobotWare 8.
@@ -85,7 +95,14 @@ def serve_command(
     dialect = Dialect(generation)
     broken, known = [parse_fault(text) for text in faults], dict(map(_signal, signals))
     context, fingerprint = self_signed(host) if tls or (tls is None and dialect is not Dialect.RWS1) else (None, "")
-    cell = start.virtual_cell(robot, faults=broken, signals=known)
+    if poses is not None and not realtime:
+        raise UsageError("--poses needs --realtime: who reads the poses goes by the wall's clock")
+    if poses is None:
+        cell = start.virtual_cell(robot, faults=broken, signals=known)
+    else:
+        from mitl.rig.virtual_cell import tracked_cell  # noqa: PLC0415 - loads the simulator
+
+        cell, _ = tracked_cell(robot, tracker, seed, poses, faults=broken, signals=known)
     with closing(cell), tempfile.TemporaryDirectory(prefix="mitl-disk-") as own:
         if program is not None:
             start.load_at_start(cell, program)

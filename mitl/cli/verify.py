@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
     from mitl.engine.case import CaseInfo
     from mitl.engine.record import RunRecord
+    from mitl.protocols import Rig
 
 
 @click.command("verify", short_help="Run test cases on a rig and judge them.", epilog="Example: mitl verify atc-1 --seed 7 --out run-7")
@@ -61,6 +62,7 @@ if TYPE_CHECKING:
     help="Run an inconclusive case at most N times: a sequential test, 5 % wrong verdicts at the limit over all rounds.",
 )
 @click.option("--long", "long", is_flag=True, help="Also run the cases that take hours of the rig's time (seconds in simulation).")
+@click.option("--arm", is_flag=True, help="Let a physical rig move. Needs a terminal, unless the rig file allows unattended runs.")
 @click.option("--list", "only_list", is_flag=True, help="List the cases and run none.")
 @click.option(
     "--format",
@@ -79,6 +81,7 @@ def verify_command(
     faults: tuple[str, ...],
     out: Path,
     tests: Path | None,
+    arm: bool,
     repeats: int,
     long: bool,
     only_list: bool,
@@ -106,7 +109,7 @@ def verify_command(
     if only_list:
         click.echo(verify_output.listed(found_cases(tests, options), form))
         return
-    observer = _Observer(progress=sys.stderr.isatty())
+    observer = _Observer(progress=sys.stderr.isatty(), arm=arm)
     _run_pytest(tests, [*options, f"--mitl-out={out}"], observer)
     run = read_run(out)
     click.echo(text_of(run), nl=False) if form == "json" else verify_output.print_table(run)
@@ -132,11 +135,24 @@ def exit_code(run: RunRecord) -> int:
 class _Observer:
     """Pytest plug-in of one run: remembers what was collected and shows progress on standard error."""
 
-    def __init__(self, *, progress: bool) -> None:
+    def __init__(self, *, progress: bool, arm: bool = False) -> None:
+        self._arm = arm
         self.found: list[CaseInfo] = []
         self.broken: list[str] = []
         self._progress: Progress | None = _progress_bar() if progress else None
         self._task: TaskID | None = None
+
+    def pytest_mitl_load_rig(self, name: str, seed: int, faults: tuple[str, ...]) -> Rig | None:
+        """Gives an armed physical rig where --arm asks for it, otherwise leaves the rig to others."""
+        if not self._arm:
+            return None
+        from mitl.rig.physical import load_physical, may_arm  # noqa: PLC0415 - see above
+        from mitl.rig.physical_config import is_physical  # noqa: PLC0415 - see above
+
+        if not is_physical(name):
+            raise UsageError(f"--arm lets a physical rig move; {name} is none: leave it out")
+        may_arm(Path(name))
+        return load_physical(Path(name), seed, faults, armed=True)
 
     def pytest_collectreport(self, report: pytest.CollectReport) -> None:
         """Remembers test files that cannot be read."""

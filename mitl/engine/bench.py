@@ -33,6 +33,7 @@ class TrackedRun:
     raw: X_LM on the tracker's clock, invalid samples included. tool: the valid samples as X_OT, times unchanged. oracle: on its own clock,
     0 where the program starts. began, ended: s on the rig's clock, when the order was given and when it was seen to be done. samples: what
     the tracker told besides `raw`, buttons above all.
+    given: when it was given on the tracker's clock, as near as the rig knows.
     """
 
     option: int
@@ -44,6 +45,7 @@ class TrackedRun:
     began: float
     ended: float
     samples: TrackerSamples
+    given: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,22 +135,22 @@ class Bench:
         self.start()
         self.tracker.start()
         self._tracking = label
+        started = self.clock.now()
         self.clock.wait(STILL)
-        began = self.clock.now()
-        self._order(option, sub_option, chosen, timeout)
+        began = self._order(option, sub_option, chosen, timeout)
         ended = self.clock.now()
         self.clock.wait(STILL)
         self._tracking = None
         raw = self.tracker.stop()
         tool = self.in_work_object(raw, oracle) if raw.valid.any() else None
-        shift = float(raw.time[0]) + STILL if len(raw) else 0.0
+        shift = float(raw.time[0]) + began - started if len(raw) else 0.0
         since = began - (self._recorder.began or 0.0)
         expected = (moves_of(oracle), signals_of(oracle))
         self._recorder.runs.append(RecordedRun(label, raw, tool, oracle.tcp, shift, *expected, since, oracle.tool, oracle.wobj))
         if tool is None or not len(tool):
             raise RigError(f"the tracker gave no valid pose during {label} ({len(raw)} samples): is it in view and awake?")
         samples = self.tracker.samples() if isinstance(self.tracker, DetailedTracker) else TrackerSamples.plain(raw)
-        return TrackedRun(option, sub_option, chosen, raw, tool, oracle, began, ended, samples)
+        return TrackedRun(option, sub_option, chosen, raw, tool, oracle, began, ended, samples, shift)
 
     def oracle(self, option: int, sub_option: int = 0, *, variables: Mapping[str, str] | None = None) -> Oracle:
         """Gives what a nominal controller does with an order to the case's program; tool and work object of later points are its own."""
@@ -196,10 +198,13 @@ class Bench:
             self._loaded = False
         return []
 
-    def _order(self, option: int, sub_option: int, variables: Mapping[str, str], timeout: float) -> None:
-        """Gives an order; one that is not done stops the robot, and the program is loaded again for what may follow."""
+    def _order(self, option: int, sub_option: int, variables: Mapping[str, str], timeout: float) -> float:
+        """Gives an order and returns when it was given.
+
+        One that is not done stops the robot, and the program is loaded again for what may follow.
+        """
         try:
-            order(self.rig, option, sub_option, variables=variables, timeout=timeout)
+            return order(self.rig, option, sub_option, variables=variables, timeout=timeout)
         except RigError:
             self.controller.stop()
             self._loaded = False
@@ -251,8 +256,10 @@ class Bench:
             self._recorder.runs.append(RecordedRun(f"{label} broken off", self.tracker.stop(), None, None))
 
 
-def order(rig: Rig, option: int, sub_option: int, *, variables: Mapping[str, str], timeout: float) -> None:
+def order(rig: Rig, option: int, sub_option: int, *, variables: Mapping[str, str], timeout: float) -> float:
     """Gives an order to a running program that loops around TEST option, and waits until it is done.
+
+    Returns the time in s on the rig's clock at which the controller had taken the order: it may take its time to let it pass.
 
     Raises RigError where the controller stops by itself or `option` is not 0 again after `timeout` seconds.
     """
@@ -261,7 +268,8 @@ def order(rig: Rig, option: int, sub_option: int, *, variables: Mapping[str, str
         controller.write(variable, literal)
     controller.write("subOption", str(sub_option))
     controller.write("option", str(option))
-    until = clock.now() + timeout
+    given = clock.now()
+    until = given + timeout
     while controller.read("option").strip() != "0":
         if controller.state() is ExecutionState.STOPPED:
             raise RigError(f"the controller stopped by itself during option {option}, subOption {sub_option}{_last_events(controller)}")
@@ -270,6 +278,7 @@ def order(rig: Rig, option: int, sub_option: int, *, variables: Mapping[str, str
                 f"option {option}, subOption {sub_option} was not done after {timeout:g} s: expected the program to set option to 0"
             )
         clock.wait(POLL)
+    return given
 
 
 def calibration_tracks(poses: CalibrationPoses) -> dict[str, PoseTrack]:

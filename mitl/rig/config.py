@@ -1,7 +1,7 @@
 """RigConfig: a rig file, read strictly. An unknown key is refused, because a misspelt one would silently mean its default.
 
 [rig]
-kind = "simulation"     # the only kind so far
+kind = "simulation"     # or "physical", with sections of its own: see docs/physical_rig.md
 robot = "irb140"        # a folder in models/
 tracker = "thesis"      # a preset in models/trackers/, or a preset file (.toml) beside the rig file
 fidelity = "kinematic"  # the executed trajectory is played back; "dynamic": servo, gravity, tracker on a compliant mount
@@ -34,7 +34,7 @@ Triple = tuple[float, float, float]
 REFERENCE = "reference"
 """Name of the device that stands still in view."""
 _TEXTS: dict[str, tuple[str, ...] | None] = {
-    "kind": ("simulation",),
+    "kind": ("simulation", "physical"),  # physical: read by physical_config
     "robot": None,
     "tracker": None,
     "fidelity": ("kinematic", "dynamic"),

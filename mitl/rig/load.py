@@ -24,6 +24,7 @@ from mitl.paths import FloatArray
 from mitl.poses import pose_of
 from mitl.protocols import Rig
 from mitl.rig.config import DeviceConfig, RigConfig, read_rig
+from mitl.rig.physical_config import is_physical
 from mitl.simulation.arm import kinematic_arm
 from mitl.simulation.dynamic_arm import dynamic_arm
 from mitl.simulation.process import JointSource
@@ -43,17 +44,21 @@ def load_rig(name_or_file: str, seed: int, faults: Sequence[str]) -> Rig:
 
     Raises UsageError for a bad file, robot, tracker preset or fault.
     """
+    if is_physical(name_or_file):
+        from mitl.rig.physical import load_physical  # noqa: PLC0415 - network and tracker only where they are asked for
+
+        return load_physical(Path(name_or_file), seed, faults)
     config = read_rig(name_or_file)
     broken = [parse_fault(text) for text in faults]
     model = load_robot_model(config.robot)
     presets = {HAND: _preset(config, config.tracker), **{name: _device_preset(config, name) for name in config.devices}}
     controller = SimulatedController(model, broken)
-    X_WL, X_FM = _placement(seed)
+    X_WL, X_FM = placement(seed)
     origin = [0.0]  # when the case began
     models = _tracker_models(presets, seed, Session(seed, 0.0))
     world = World(
         model.urdf,
-        _UrdfJoints(model, controller),
+        UrdfJoints(model, controller),
         models[HAND],
         X_WL=X_WL,
         X_FM=X_FM,
@@ -141,17 +146,18 @@ def _wire(config: RigConfig, tracker: SimulatedTracker, controller: SimulatedCon
 
 
 @dataclass(frozen=True)
-class _UrdfJoints:
+class UrdfJoints:
     """A joint source that gives the angles between the links, as the URDF has them, for a source of RAPID's joints."""
 
     model: RobotModel
     source: JointSource
 
     def joints_at(self, time: float) -> FloatArray:
+        """Gives the angles (6,) in rad at `time` s."""
         return self.model.between_links(self.source.joints_at(time))
 
 
-def _placement(seed: int) -> tuple[FloatArray, FloatArray]:
+def placement(seed: int) -> tuple[FloatArray, FloatArray]:
     """Gives X_WL and X_FM (7,): where the tracker's base and the tracked body were put this time; neither is known to a test case.
 
     The base stands about 2 m away, the body sits on the flange a hand's breadth off its axis, both turned any way.

@@ -183,6 +183,10 @@ class RwsController:
         finally:
             self._transport.close()
 
+    def leave(self) -> None:
+        """Logs out and changes nothing."""
+        self._transport.close()
+
     # -------------------------------------------------------------------------------------------------------------------------
 
     def _read_sources(self, sources: Sequence[Path]) -> dict[str, bytes]:

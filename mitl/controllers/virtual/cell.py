@@ -60,6 +60,7 @@ class VirtualCell:
         self.data: tuple[DataSymbol, ...] = ()
         """The data of the linked program."""
         self._linked = -1
+        self._linked_modules: tuple[LoadedModule, ...] = ()
         self._pointer_set = False
         self._seen_events = 0
         self._was_running = False
@@ -257,6 +258,7 @@ class VirtualCell:
         finally:
             self._seen_events = 0
         self._linked, self._ended, self._was_running = self.memory.version, False, False
+        self._linked_modules = self.memory.modules()
         self.data = load(paths).data
         known = {f"{symbol.module}:{symbol.name}".lower() for symbol in self.data}
         for name, literal in kept.items():
@@ -269,7 +271,8 @@ class VirtualCell:
 
     def _values(self, *, keep_all: bool) -> dict[str, str]:
         kept = ("PERS", "VAR") if keep_all else ("PERS",)
-        names = [f"{symbol.module}:{symbol.name}" for symbol in self.data if symbol.storage in kept]
+        same = {module.name.lower() for module in self.memory.modules() if any(module is known for known in self._linked_modules)}
+        names = [f"{symbol.module}:{symbol.name}" for symbol in self.data if symbol.storage in kept and symbol.module.lower() in same]
         return {name: self.controller.read(name) for name in names}
 
     def _read(self, file: str, text: str) -> LoadedModule:

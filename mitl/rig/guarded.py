@@ -1,0 +1,262 @@
+"""GuardedController: a physical robot behind everything that must hold before and while it moves. Implements Controller.
+
+Invariant: nothing moves unarmed, un-pre-flown, with another tool than the program's, or unwatched; whatever goes wrong, it is stopped.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+import rapid_interp
+from mitl.controllers.rws.controller import RwsController
+from mitl.controllers.virtual.literals import numbers, split
+from mitl.errors import RigError
+from mitl.motion.robot_model import RobotModel
+from mitl.paths import FloatArray
+from mitl.protocols import Clock, ExecutionState, LoggedEvent, Tracker
+from mitl.rig.guardian import Guardian
+from mitl.rig.physical_config import PhysicalConfig
+from mitl.rig.shadow import ORDER, Shadow
+from mitl.rig.watchdog import Watchdog
+
+_THERE = 5e-3
+"""rad by which the axes may still be off where the program waits for orders."""
+_SLOWEST, _LATEST, _POLL = 100.0, 10.0, 0.1
+"""The least speed ratio is 1 per cent; and some seconds for what is no motion."""
+NOT_ARMED = "the robot is not armed, so nothing was moved: look at the cell, then run mitl verify --arm"
+
+
+class GuardedController:
+    """controller: what is guarded; second: a session of its own for the watchdog. guardian: starts the process that outlives us."""
+
+    def __init__(
+        self,
+        controller: RwsController,
+        second: RwsController,
+        config: PhysicalConfig,
+        model: RobotModel,
+        tracker: Tracker,
+        clock: Clock,
+        *,
+        armed: bool,
+        guardian: Callable[[], Guardian],
+    ) -> None:
+        self._controller = controller
+        self._second = second
+        self._safety = config.safety
+        self._model = model
+        self._tracker = tracker
+        self._clock = clock
+        self._armed = armed
+        self._make_guardian = guardian
+        self._guardian: Guardian | None = None
+        self._sources: list[Path] = []
+        self._shadow: Shadow | None = None
+        self._corridor: cKDTree | None = None
+        self._seen = 0.0
+        self._watchdog = Watchdog(self._look, second.stop)
+        corners = np.array(config.safety.workspace_mm) / 1000.0
+        self._workspace: FloatArray | None = corners if corners.size else None
+
+    # --- Controller ----------------------------------------------------------------------------------------------------------
+
+    def load(self, sources: Sequence[Path]) -> None:
+        """Replaces the program by the given module files; the pointer is at main."""
+        self._require_armed()
+        self._sources, self._shadow = list(sources), None
+        self._controller.load(sources)
+
+    def start(self) -> None:
+        """Compares tools and work objects, pre-flies the way to where the program waits for orders, then starts it."""
+        self._require_armed()
+        if not self._sources:
+            raise RigError("start refused: no program is loaded")
+        if self._shadow is not None:
+            raise RigError("start refused: the program was stopped or has ended; load it again")
+        self._require_ready()
+        self._compare_frames()
+        shadow = Shadow(self._sources, self._model, self._controller.joints(), self._workspace)
+        way = shadow.begin()
+        self._shadow = shadow
+        self._watch(way)
+        self._controller.start()
+        if shadow.takes_orders():
+            self._wait_until_there(shadow)
+
+    def stop(self) -> None:
+        """Stops the robot. Safe to call at any time, also twice and unarmed."""
+        try:
+            self._controller.stop()
+        except RigError:
+            self._second.stop()  # the first session may be what is broken
+        self._watchdog.rest()
+
+    def state(self) -> ExecutionState:
+        """Gives whether RAPID is executing. Raises RigError with the watchdog's reason where it stopped the robot."""
+        self._raise_reason()
+        return self._controller.state()
+
+    def read(self, name: str) -> str:
+        """Gives a RAPID variable as a RAPID literal."""
+        self._raise_reason()
+        return self._controller.read(name)
+
+    def write(self, name: str, literal: str) -> None:
+        """Sets a RAPID variable. An order, which is a value other than 0 of `option`, is pre-flown before."""
+        self._require_armed()
+        self._raise_reason()
+        if self._shadow is None:
+            raise RigError(f"writing {name} refused: the program is not running, so nothing can be pre-flown")
+        if name.lower() == ORDER and _number(literal) != 0:
+            self._require_ready()
+            self._watch(self._shadow.fly(literal))
+        else:
+            self._shadow.write(name, literal)
+        self._controller.write(name, literal)
+
+    def read_signal(self, name: str) -> float:
+        """Gives the value of an I/O signal."""
+        return self._controller.read_signal(name)
+
+    def joints(self) -> FloatArray:
+        """Gives the axis positions (6,) in rad."""
+        return self._controller.joints()
+
+    def flange(self) -> FloatArray:
+        """Gives X_BF (7,)."""
+        return self._controller.flange()
+
+    def set_motors(self, on: bool) -> None:
+        """Switches the motors; on only when armed."""
+        if on:
+            self._require_armed()
+        self._controller.set_motors(on)
+
+    def set_speed_ratio(self, per_cent: float) -> None:
+        """Sets the speed override, which may not exceed what the rig file allows."""
+        if per_cent > self._safety.speed:
+            raise RigError(f"speed ratio refused: the rig file allows {self._safety.speed:g} per cent, asked for {per_cent:g}")
+        self._controller.set_speed_ratio(per_cent)
+
+    def event_log(self) -> list[LoggedEvent]:
+        """Gives the events logged since `load`, oldest first."""
+        return self._controller.event_log()
+
+    # --- beyond Controller ---------------------------------------------------------------------------------------------------
+
+    def begin(self, *, first: bool) -> None:
+        """Sets the speed of what follows: `first` for the session's first motion, at the rig file's first speed. Nothing where unarmed."""
+        if self._armed:
+            self._controller.set_speed_ratio(self._safety.first_speed if first else self._safety.speed)
+
+    def close(self) -> None:
+        """Stops the robot, puts back what was found on the controller, and lets the guardian go."""
+        try:
+            self._watchdog.rest()
+            self._controller.close()
+        except RigError:
+            self._second.stop()
+            raise
+        finally:
+            self._watchdog.close()
+            if self._guardian is not None:
+                self._guardian.close()
+            self._second.leave()
+
+    # -------------------------------------------------------------------------------------------------------------------------
+
+    def _require_armed(self) -> None:
+        if not self._armed:
+            raise RigError(NOT_ARMED)
+
+    def _require_ready(self) -> None:
+        """Refuses to move while anything that must watch the motion does not."""
+        if self._controller.mode() != "AUTO":
+            raise RigError(f"the controller is in {self._controller.mode()}, expected AUTO: turn the key")
+        state = self._controller.controller_state()
+        if state != "motoron":
+            raise RigError(f"the motors are not on (controller state {state}): switch them on at the cell, after a look at it")
+        self._tracker.latest()  # a lost tracker raises: never move blind
+        if self._guardian is None:
+            self._guardian = self._make_guardian()
+        if not self._guardian.alive or not self._watchdog.alive:
+            raise RigError("the guardian process or the watchdog has ended: nothing may move")
+
+    def _watch(self, way: FloatArray) -> None:
+        if self._corridor is not None:
+            way = np.concatenate([self._corridor.data[-1:], way])
+        self._corridor = cKDTree(way)
+        self._seen = self._clock.now()
+        self._watchdog.watch()
+
+    def _look(self) -> str:
+        """Gives why the robot must stop, or ""."""
+        now = self._clock.now()
+        try:
+            self._tracker.latest()
+        except RigError as error:
+            if now - self._seen > self._safety.tracker_lost_s:
+                return f"stopped by the watchdog: the tracker is lost for more than {self._safety.tracker_lost_s:g} s ({error})"
+        else:
+            self._seen = now
+        if self._guardian is not None and not self._guardian.alive:
+            return "stopped by the watchdog: the guardian process has ended"
+        if self._corridor is None:
+            return ""
+        distance = float(self._corridor.query(self._second.flange()[:3])[0])
+        if distance > self._safety.corridor_mm / 1000.0:
+            return (
+                f"stopped by the watchdog: the flange is {1000 * distance:.0f} mm off its pre-flown way, "
+                f"allowed are {self._safety.corridor_mm:g} mm"
+            )
+        return ""
+
+    def _wait_until_there(self, shadow: Shadow) -> None:
+        """Waits until the robot stands where the program waits for orders: what follows is recorded, and begins there."""
+        until = self._clock.now() + _SLOWEST * shadow.duration + _LATEST
+        while np.abs(self._controller.joints() - shadow.joints()).max() > _THERE:
+            if self.state() is ExecutionState.STOPPED:
+                events = [event.text for event in self._controller.event_log() if event.level != "info"]
+                raise RigError(f"the program stopped on the way to where it waits for orders: {' | '.join(events) or 'no reason logged'}")
+            if self._clock.now() > until:
+                self.stop()
+                raise RigError("the robot did not come to where the program waits for orders in time; it was stopped")
+            self._clock.wait(_POLL)
+
+    def _raise_reason(self) -> None:
+        if self._watchdog.reason:
+            raise RigError(self._watchdog.reason)
+
+    def _compare_frames(self) -> None:
+        """Raises RigError where a tool or work object has other numbers on the controller than in the program."""
+        program = rapid_interp.load(self._sources)
+        task = program.start()
+        for symbol in program.data:
+            if symbol.type.name not in ("tooldata", "wobjdata") or symbol.storage == "CONST":
+                continue
+            name = f"{symbol.module}:{symbol.name}"
+            ours, theirs = _frame(task.literal(name)), _frame(self._controller.read(name))
+            if len(ours) != len(theirs) or not all(
+                math.isclose(a, b, rel_tol=1e-5, abs_tol=1e-3) for a, b in zip(ours, theirs, strict=True)
+            ):
+                raise RigError(
+                    f"{symbol.type.name} {symbol.name} is {theirs} on the controller but {ours} in the program: nothing was moved"
+                )
+
+
+def _frame(literal: str) -> list[float]:
+    """Gives all poses, masses and centres of a tooldata or wobjdata as numbers."""
+    tree = split(literal)
+    return [number for item in tree if not isinstance(item, str) for number in numbers(item)]
+
+
+def _number(literal: str) -> float:
+    try:
+        return float(literal)
+    except ValueError:
+        return math.nan  # an expression: it may well be an order

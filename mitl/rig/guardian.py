@@ -1,0 +1,134 @@
+"""The guardian: a process that stops the robot when mitl itself is gone, be it by SIGKILL, a crash or a freeze.
+
+Invariant: it needs nothing of its parent but the beats on its standard input; end of input or a missing beat means stop. It can do nothing
+against a lost network; the emergency stop and the controller's own supervision stay what safety rests on (docs/physical_rig.md).
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import select
+import subprocess
+import sys
+import threading
+from pathlib import Path
+from types import TracebackType
+from typing import IO
+
+from mitl.controllers.rws.credentials import find_credentials
+from mitl.controllers.rws.transport import Transport
+from mitl.errors import MitlError, RigError
+from mitl.rig.physical_config import ControllerConfig
+from mitl.rig.remote import transport_to
+
+BEAT, MISSED = 0.25, 2.0
+"""Seconds between two beats, and without any after which the robot is stopped."""
+READY, DONE = "watching", "done"
+_TRIES = 20
+
+
+class Guardian:
+    """The parent's side: starts the process and beats. alive: what must hold for a beat to go out, e.g. that the watchdog lives."""
+
+    def __init__(self, config: ControllerConfig) -> None:
+        text = json.dumps({name: getattr(config, name) for name in ("address", "generation", "fingerprint", "station")})
+        command = [sys.executable, "-m", "mitl.rig.guardian", text]
+        self._process = subprocess.Popen(  # noqa: S603 - our own module
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, start_new_session=True
+        )
+        ready = _pipe(self._process.stdout).readline().strip()
+        if ready != READY:
+            raise RigError(f"the guardian process could not reach the controller: {ready or 'it ended'}")
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._beat, name="guardian-beat", daemon=True)
+        self._thread.start()
+
+    @property
+    def alive(self) -> bool:
+        """Whether the guardian watches."""
+        return self._process.poll() is None and self._thread.is_alive()
+
+    @property
+    def pid(self) -> int:
+        """The process's number."""
+        return self._process.pid
+
+    def close(self) -> None:
+        """Tells the guardian that all is well and that it may go."""
+        self._ended.set()
+        self._thread.join(2.0)
+        with self._process:
+            if self._process.poll() is None:
+                try:
+                    _pipe(self._process.stdin).write(f"{DONE}\n")
+                    _pipe(self._process.stdin).flush()
+                except OSError:
+                    self._process.kill()
+        self._process.wait(10.0)
+
+    def __enter__(self) -> Guardian:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None) -> None:
+        self.close()
+
+    def _beat(self) -> None:
+        beats = _pipe(self._process.stdin)
+        while not self._ended.wait(BEAT):
+            try:
+                beats.write(".\n")
+                beats.flush()
+            except OSError:
+                return
+
+
+def _pipe(stream: IO[str] | None) -> IO[str]:
+    if stream is None:
+        raise RigError("the guardian process has no pipe")
+    return stream
+
+
+def watch(transport: Transport, beats: int) -> str:
+    """Waits on the file descriptor `beats` for the end of them; gives DONE, or the reason for which it then stopped the robot."""
+    buffer = b""
+    while True:
+        ready, _, _ = select.select([beats], [], [], MISSED)
+        content = os.read(beats, 4096) if ready else b""
+        if not ready or not content:
+            break
+        buffer = (buffer + content)[-64:]
+        if f"{DONE}\n".encode() in buffer:
+            return DONE
+    stop = transport.dialect.stop()
+    last: MitlError | None = None
+    for _ in range(_TRIES):
+        try:
+            transport.ask(stop)
+        except MitlError as error:
+            last = error
+        else:
+            return "mitl is gone: the robot was stopped"
+    return f"mitl is gone, and the robot could not be stopped: {last}"
+
+
+def main(arguments: list[str]) -> int:
+    """Runs the process."""
+    config = ControllerConfig(**json.loads(arguments[0]))
+    transport = transport_to(config, find_credentials)
+    try:
+        transport.ask(transport.dialect.execution())
+    except MitlError as error:
+        sys.stdout.write(f"{error}\n".replace("\n", " ").strip() + "\n")
+        return 1
+    sys.stdout.write(f"{READY}\n")
+    sys.stdout.flush()
+    told = watch(transport, sys.stdin.fileno())
+    transport.close()
+    if told != DONE:
+        sys.stderr.write(f"{Path(__file__).stem}: {told}\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,89 @@
+"""Builds the physical rig that a rig file describes: RWS and OpenVR, guarded."""
+
+from __future__ import annotations
+
+import os
+import platform
+import sys
+from collections.abc import Sequence
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+from mitl import __version__
+from mitl.controllers.rws.controller import RwsController
+from mitl.controllers.rws.credentials import find_credentials
+from mitl.engine.calibration_session import CASE_ID as CALIBRATION
+from mitl.errors import UsageError
+from mitl.motion.oracles import PlannedOracles
+from mitl.motion.robot_model import load_robot_model
+from mitl.protocols import Rig
+from mitl.rig.guarded import GuardedController
+from mitl.rig.guardian import Guardian
+from mitl.rig.monotonic_clock import MonotonicClock
+from mitl.rig.physical_config import PhysicalConfig, read_physical
+from mitl.rig.remote import transport_to
+from mitl.trackers.openvr_runtime import OpenVrRuntime, PoseSource, Universe
+from mitl.trackers.openvr_tracker import OpenVrTracker
+
+_PACKAGES = ("drake", "numpy", "scipy", "ruckig", "openvr", "httpx")
+
+
+def load_physical(file: Path, seed: int, faults: Sequence[str], *, armed: bool = False) -> Rig:
+    """Gives a physical rig. Unarmed it can be asked anything and moves nothing. Raises UsageError and RigError.
+
+    faults are refused: a physical controller is broken at its own place, a virtual one by `mitl serve --fault`.
+    """
+    if faults:
+        raise UsageError("--fault breaks the simulated controller; a virtual one behind a rig file takes it at mitl serve --fault")
+    config = read_physical(file)
+    model = load_robot_model(config.robot)
+    clock = MonotonicClock()
+    first, second = (RwsController(transport_to(config.controller, find_credentials), clock) for _ in range(2))
+    tracker = open_tracker(config, clock)
+    controller = GuardedController(first, second, config, model, tracker, clock, armed=armed, guardian=lambda: Guardian(config.controller))
+    robotware, _ = first.system()
+
+    def close() -> None:
+        """Puts everything back, also where one of the steps fails."""
+        try:
+            controller.close()
+        finally:
+            tracker.close()
+
+    return Rig(
+        name=config.name,
+        robot=model.name,
+        seed=seed,
+        controller=controller,
+        tracker=tracker,
+        clock=clock,
+        oracles=PlannedOracles(model),
+        begin_case=lambda case_id: controller.begin(first=case_id == CALIBRATION),
+        versions={"mitl": __version__, "python": platform.python_version(), "RobotWare": robotware, **_installed()},
+        calibration=config.folder / config.calibration if config.calibration else None,
+        close=close,
+    )
+
+
+def open_tracker(config: PhysicalConfig, clock: MonotonicClock) -> OpenVrTracker:
+    """Gives the rig file's tracker, sampling."""
+    wanted = config.tracker
+    universe, source = Universe(wanted.universe), PoseSource(wanted.source)
+    return OpenVrTracker(lambda: OpenVrRuntime(universe, source), clock, serial=wanted.serial, rate=wanted.rate_hz)
+
+
+def may_arm(file: Path, *, terminal: bool | None = None) -> None:
+    """Raises UsageError where --arm was given without a terminal and the rig file does not allow unattended runs."""
+    attended = (sys.stdin.isatty() and sys.stderr.isatty()) if terminal is None else terminal
+    if not attended and not read_physical(file).safety.unattended:
+        raise UsageError(f"--arm needs a terminal, because somebody must look at the cell; {file} may allow it: [safety] unattended = true")
+
+
+def _installed() -> dict[str, str]:
+    found = {"os": os.uname().sysname}
+    for package in _PACKAGES:
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            continue
+    return found
