@@ -74,13 +74,19 @@ def preflight_command(
     from mitl.motion.preflight import Margins  # noqa: PLC0415 - see above
     from mitl.motion.robot_model import load_robot_model  # noqa: PLC0415 - see above
     from mitl.simulation.cell import load_cell  # noqa: PLC0415 - see above
-    from mitl.simulation.preflight import Surroundings, preflight, read_box  # noqa: PLC0415 - see above
+    from mitl.simulation.preflight import Surroundings, preflight, read_box, unread  # noqa: PLC0415 - see above
 
     model = load_robot_model(robot)
     margins = Margins(axis=math.radians(axis_margin), wrist=math.radians(wrist_margin), box=None if box is None else read_box(box))
     around = Surroundings(None if cell is None else load_cell(cell), tool, 1e-3 * clearance)
     changes = [read_input_change(text) for text in inputs]
-    program = rapid_interp.load(sources, signals=[change.name for change in changes])
+    try:
+        program = rapid_interp.load(sources, signals=[change.name for change in changes])
+    except rapid_interp.RapidErrors as errors:
+        if output_format == "text":
+            raise
+        click.echo(json.dumps(as_json(unread(model.name, errors.diagnostics)), indent=2))
+        sys.exit(1)
     try:
         task = program.start(routine)
     except rapid_interp.RapidError as error:

@@ -36,6 +36,7 @@ from mitl.simulation.arm import for_drake
 
 _MODELS = (".urdf", ".sdf")
 _KEYS = {"cell": {"description", "model", "position_mm", "roll_pitch_yaw_deg"}}
+_HERE = 1e-9
 _CONVEYOR_KEYS = {"name", "unit", "start_mm", "direction_deg", "counts_per_m", "speed_m_s"}
 
 
@@ -78,13 +79,19 @@ class Cell:
             raise UsageError(f"{self.model}: cannot read cell model: {error}") from error
         if not instances:
             raise UsageError(f"{self.model}: expected a model, found none")
-        X_WC = (X_WB or RigidTransform()).multiply(self.X_BC)
+        X_WC: RigidTransform = (X_WB or RigidTransform()).multiply(self.X_BC)
         for instance in instances:
-            roots = [plant.get_body(body) for body in plant.GetBodyIndices(instance)]
-            children = {plant.get_joint(joint).child_body().index() for joint in plant.GetJointIndices(instance)}
-            for body in roots:
-                if body.index() not in children:
-                    plant.WeldFrames(plant.world_frame(), body.body_frame(), X_WC)
+            joints = [plant.get_joint(joint) for joint in plant.GetJointIndices(instance)]
+            children = {joint.child_body().index() for joint in joints}
+            if any(joint.parent_body().index() == plant.world_body().index() for joint in joints) and not X_WC.IsNearlyIdentity(_HERE):
+                raise UsageError(
+                    f"{self.model}: a static model cannot be placed elsewhere: leave <static> out, everything in a cell stands still"
+                )
+            for index in plant.GetBodyIndices(instance):
+                body = plant.get_body(index)
+                if index not in children:
+                    X_CA = plant.GetDefaultFloatingBaseBodyPose(body)
+                    plant.WeldFrames(plant.world_frame(), body.body_frame(), X_WC.multiply(X_CA))
         return list(instances)
 
 

@@ -7,7 +7,7 @@ nothing is looked at, and the report says how far the tool goes from one to the 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,7 +20,7 @@ from mitl.motion.robot_model import RobotModel
 from mitl.motion.signals import InputChange
 from mitl.simulation.cell import Cell
 from mitl.simulation.clearance import Clearance, Gap
-from rapid_interp import RapidError, Task
+from rapid_interp import Diagnostic, RapidError, Task
 
 _FAR = 0.3
 """Gaps in m beyond which nobody asks how far."""
@@ -105,6 +105,12 @@ def preflight(
     findings = [*refusals(planner), *ended, *touching, *found]
     findings.sort(key=lambda finding: (finding.file, finding.line, finding.column, finding.severity is Severity.WARNING))
     return Report(model.name, float(run.record.end), len(motion.time), measures, nearest[False], nearest[True], tuple(findings))
+
+
+def unread(robot: str, diagnostics: Sequence[Diagnostic]) -> Report:
+    """Gives the report of a program that cannot be run at all: what is wrong with its text."""
+    findings = (Finding(Severity(at.severity.value), at.code, at.message, at.file, "", at.line, at.column) for at in diagnostics)
+    return Report(robot, 0.0, 0, Measures(), None, None, tuple(findings))
 
 
 def _gaps(

@@ -145,6 +145,14 @@ def test_an_error_of_the_program_itself_is_a_finding_at_its_line(flown):
     assert [(finding["severity"], finding["line"]) for finding in report["findings"]] == [("error", 6)]
 
 
+def test_errors_of_the_text_are_findings_in_json_too(flown):
+    code, report = flown("MoveL absent,v100,fine,tRod;", "x := ;")
+    assert code == 1
+    assert sorted(finding["line"] for finding in report["findings"]) == [5, 6]
+    assert {finding["severity"] for finding in report["findings"]} == {"error"}
+    assert report["samples"] == 0
+
+
 def test_text_names_file_line_and_column(tmp_path, capsys):
     file = tmp_path / "p.mod"
     file.write_text(f"MODULE P\nPROC main()\n  {axes(0, 120, 0, 0, 0, 0).replace(TOOL, 'tool0')}\nENDPROC\nENDMODULE\n")

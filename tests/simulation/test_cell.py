@@ -110,3 +110,32 @@ def test_meshcat_shows_the_cell_around_the_robot():
     publish(meshcat, still)
     for body in ("table", "fence", "belt"):
         assert meshcat.HasPath(f"visualizer/bench/{body}") or meshcat.HasPath(f"visualizer/cell/bench/{body}"), body
+
+
+SDF = (
+    '<sdf version="1.9"><model name="a"><static>{}</static><link name="wall"><pose>0.5 0 0.2 0 0 0</pose>'
+    '<collision name="c"><geometry><box><size>0.1 1 0.1</size></box></geometry></collision></link></model></sdf>'
+)
+
+
+@pytest.mark.parametrize("static", ["true", "false"])
+def test_an_sdf_keeps_the_poses_that_it_gives(tmp_path, static):
+    (tmp_path / "wall.sdf").write_text(SDF.format(static))
+    plant = MultibodyPlant(0.0)
+    load_cell(str(tmp_path / "wall.sdf")).add_to(plant)
+    plant.Finalize()
+    assert plant.num_positions() == 0
+    assert plant.GetFrameByName("wall").CalcPoseInWorld(plant.CreateDefaultContext()).translation() == pytest.approx([0.5, 0, 0.2])
+
+
+def test_an_sdf_is_placed_unless_it_is_static(folder):
+    (folder / "cell.toml").write_text(GOOD.replace("block.urdf", "wall.sdf"))
+    (folder / "wall.sdf").write_text(SDF.format("false"))
+    plant = MultibodyPlant(0.0)
+    load_cell(str(folder)).add_to(plant)
+    plant.Finalize()
+    place = plant.GetFrameByName("wall").CalcPoseInWorld(plant.CreateDefaultContext()).translation()
+    assert place == pytest.approx([0.5, 0.5, 0.3]), "turned by 90 deg and shifted"
+    (folder / "wall.sdf").write_text(SDF.format("true"))
+    with pytest.raises(UsageError, match="static model cannot be placed"):
+        load_cell(str(folder)).add_to(MultibodyPlant(0.0))
