@@ -68,7 +68,7 @@
     const box = new THREE.Box3();
     [...measured, ...oracle].forEach((p) => { if (p) box.expandByPoint(new THREE.Vector3(...p)); });
     pieces(oracle, () => "oracle").forEach(([, p]) => root.add(line(p, colours.oracle, 7, -1)));
-    pieces(measured, shade).forEach(([kind, p]) => root.add(line(p, colours[kind], 3)));
+    for (const [kind, pairs] of segments(measured, shade)) root.add(line(pairs, colours[kind], 3, 0, true));
     const size = Math.max(0.02, box.getSize(new THREE.Vector3()).length());
     const dots = { o: ball(colours.muted, size * 0.012), m: ball(colours.ink, size * 0.014) };
     root.add(dots.o, dots.m);
@@ -95,14 +95,28 @@
     return out.filter(([, p]) => p.length > 1);
   }
 
-  /** Gives a line; one with a negative order is drawn first and hides nothing, so that the recording is seen on the wide oracle. */
-  function line(points, colour, width, order = 0) {
+  /** Gives for every kind the ends of its segments in a row, so that a recording is a handful of objects however often its colour changes. */
+  function segments(points, kind) {
+    const found = new Map();
+    for (const [name, piece] of pieces(points, kind)) {
+      if (!found.has(name)) found.set(name, []);
+      for (let i = 1; i < piece.length; i++) found.get(name).push(piece[i - 1], piece[i]);
+    }
+    return found;
+  }
+
+  /** Gives a line through points, or segments between pairs of them; one with a negative order is drawn first and hides nothing, so that the recording is seen on the wide oracle. */
+  function line(points, colour, width, order = 0, paired = false) {
     if (webgl) {
       const material = new THREE.LineMaterial({ color: new THREE.Color(colour).getHex(), linewidth: width, depthWrite: order >= 0 });
-      return Object.assign(new THREE.Line2(new THREE.LineGeometry().setPositions(points.flat()), material), { renderOrder: order });
+      const geometry = new THREE.LineGeometry();
+      if (paired) Object.getPrototypeOf(THREE.LineGeometry.prototype).setPositions.call(geometry, points.flat()); // as LineSegmentsGeometry takes them
+      else geometry.setPositions(points.flat());
+      return Object.assign(new THREE.Line2(geometry, material), { renderOrder: order });
     }
     const geometry = new THREE.BufferGeometry().setFromPoints(points.map((p) => new THREE.Vector3(...p)));
-    return Object.assign(new THREE.Line(geometry, new THREE.LineBasicMaterial({ color: colour, linewidth: width })), { renderOrder: order });
+    const kind = paired ? THREE.LineSegments : THREE.Line;
+    return Object.assign(new kind(geometry, new THREE.LineBasicMaterial({ color: colour, linewidth: width })), { renderOrder: order });
   }
   function ball(colour, radius) { return new THREE.Mesh(new THREE.SphereGeometry(radius, webgl ? 24 : 8, webgl ? 16 : 6), new THREE.MeshBasicMaterial({ color: colour })); }
   function grid(reach, step) {
@@ -165,7 +179,7 @@
     if (drawn.robot) drawn.robot.joints.forEach(({ group, axis }, k) => group.quaternion.setFromAxisAngle(axis, between(c[`j${k + 1}`][at], c[`j${k + 1}`][next]) || 0));
     const p = drawn.measured[at] || drawn.oracle[at];
     get("time").textContent = `${now.toFixed(3)} s`;
-    get("distance").textContent = c.d[at] === null ? "–" : `${mitl.number(c.d[at])} mm`;
+    get("distance").textContent = c.d[at] === null ? "–" : `${mitl.number(between(c.d[at], c.d[next]))} mm`;
     get("tcp").textContent = p ? p.map((v) => (1000 * v).toFixed(1).replace("-", "−")).join("  ") : "–";
     get("signals").textContent = take.signals.map(({ name, at: changes }) => { const k = mitl.indexAt(changes.map(([time]) => time), now); return `${name} ${k < 0 ? "–" : mitl.number(changes[k][1])}`; }).join(", ");
     const move = mitl.indexAt(take.moves.map(([time]) => time), now), number = move < 0 ? 0 : take.moves[move][1];
