@@ -20,6 +20,9 @@ MODULE ATC_6
       CASE 1:
         waits;
         done;
+      CASE 2:
+        toAndFro;
+        done;
       DEFAULT:
         WaitTime 0.05;
       ENDTEST
@@ -43,5 +46,14 @@ MODULE ATC_6
     WaitTime 2;
     MoveL pWait, vTest, fine, tTest\WObj:=wTest;
     WaitTime 0.3;
+  ENDPROC
+
+  ! ten seconds of motion, to be stopped in
+  PROC toAndFro()
+    MoveJ pWait, v500, fine, tTest\WObj:=wTest;
+    FOR pass FROM 1 TO 5 DO
+      MoveL Offs(pWait,0,200,0), vTest, fine, tTest\WObj:=wTest;
+      MoveL pWait, vTest, fine, tTest\WObj:=wTest;
+    ENDFOR
   ENDPROC
 ENDMODULE

@@ -28,7 +28,7 @@ class FaultKind:
     size: the default, in `unit`.
 
     One of these says what it does, given its size: a filter of effects, a law of turning, another robot model, a way to play the plan
-    back, or by how much the arm's axes are off.
+    back, or by how much the arm's axes are off. stop_delay: seconds by which one unit of it delays a stop.
     """
 
     name: str
@@ -41,6 +41,7 @@ class FaultKind:
     make_model: Callable[[float], Callable[[RobotModel], RobotModel]] | None = None
     make_playback: Callable[[float], Callable[[servo.Playback], servo.Playback]] | None = None
     make_offset: Callable[[float], servo.Offset] | None = None
+    stop_delay: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -118,6 +119,11 @@ def joint_offset(faults: Sequence[Fault]) -> servo.Offset:
     return lambda time: np.asarray(np.sum([np.zeros(6), *(offset(time) for offset in offsets)], axis=0))
 
 
+def stop_delay(faults: Sequence[Fault]) -> float:
+    """Gives by how many s a stop comes after its call."""
+    return sum(max(fault.kind.stop_delay * fault.size, 0.0) for fault in faults)
+
+
 def _late_orientation(share: float) -> OrientationLaw:
     late = min(max(share, 0.0), 0.99)
 
@@ -173,6 +179,7 @@ KINDS = {
         FaultKind("trigger-late", "triggers come late (or, negative, early)", "I/O", "ms", 60.0, settings.trigger_late),
         FaultKind("trigger-missing", "a share of the triggers does not come", "I/O", "share", 0.2, settings.trigger_missing),
         FaultKind("equip-lag-sign", "EquipLag acts the wrong way; a share of .5 ignores it", "I/O", "share", 1.0, settings.equip_lag_sign),
+        FaultKind("stop-late", "the motion goes on for a while after a stop was called", "interpolator", "ms", 200.0, stop_delay=1e-3),
         FaultKind("joint-limit-ignored", "axes may turn beyond their range", "planner", "deg", 30.0, make_model=wider_limits),
         FaultKind("speed-dip", "the speed sags in every zone", "interpolator", "per cent", 20.0, make_playback=servo.speed_dip),
         FaultKind("hiccup", "the motion halts within moves", "interpolator", "ms", 40.0, make_playback=servo.hiccup),

@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from mitl.controllers.faults import Fault, effect_filter, joint_offset, orientation_law, playback, robot_model
+from mitl.controllers.faults import Fault, effect_filter, joint_offset, orientation_law, playback, robot_model, stop_delay
 from mitl.errors import MotionError, RigError
 from mitl.motion.chain import Planner
 from mitl.motion.program_run import ProgramRun, joints_home
@@ -37,6 +37,7 @@ class SimulatedController:
         self._model = model = robot_model(model, faults)
         self._faults = tuple(faults)
         self._playback = playback(faults)
+        self._stop_delay = stop_delay(faults)
         self._joint_offset = joint_offset(faults)
         self._planner = Planner(model, orientation_law=orientation_law(faults))
         self._clock: Clock | None = None
@@ -155,7 +156,7 @@ class SimulatedController:
     def stop(self, kind: StopKind = StopKind.PROGRAM) -> None:
         """Stops execution along the path, so that `start` can resume it. Safe to call at any time, also twice."""
         if self._run is not None and self.state() is ExecutionState.RUNNING:
-            self._run.hold(self._now() - self._origin, kind)
+            self._run.hold(self._now() - self._origin + self._stop_delay, kind)
             self._log(self._now(), _INFORMATION, "info", f"program stopped ({kind.value})")
 
     def state(self) -> ExecutionState:

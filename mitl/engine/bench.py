@@ -49,6 +49,14 @@ class TrackedRun:
 
 
 @dataclass(frozen=True, eq=False)
+class StoppedRun:
+    """An order that was stopped on its way: X_OT of the tool on the tracker's clock, and when stop was called, on the same clock, in s."""
+
+    tool: PosePath
+    called: float
+
+
+@dataclass(frozen=True, eq=False)
 class StillPoint:
     """A still point: as the tracker averaged it (X_LM), and the same as X_OT, (7,) x y z in m, qw qx qy qz, in the work object."""
 
@@ -197,6 +205,37 @@ class Bench:
             self.controller.stop()
             self._loaded = False
         return []
+
+    def run_stopped(
+        self, option: int, sub_option: int = 0, *, after: float, variables: Mapping[str, str] | None = None, name: str, settle: float = 0.7
+    ) -> StoppedRun:
+        """Gives the tracked motion of an order that is stopped `after` seconds, and `settle` seconds more.
+
+        The program is loaded again for what follows. Raises RigError where the controller stops before it is told to.
+        """
+        oracle = self.oracle(option, sub_option, variables=variables)
+        self.start()
+        for variable, literal in (variables or {}).items():
+            self.controller.write(variable, literal)
+        self.tracker.start()
+        began = self.clock.now()
+        self.controller.write("subOption", str(sub_option))
+        self.controller.write("option", str(option))
+        self.clock.wait(after)
+        if self.controller.state() is ExecutionState.STOPPED:
+            raise RigError(f"the controller stopped by itself during option {option}{_last_events(self.controller)}")
+        called = self.clock.now()
+        self.controller.stop()
+        self._loaded = False
+        self.clock.wait(settle)
+        raw = self.tracker.stop()
+        tool = self.in_work_object(raw, oracle)
+        self._recorder.runs.append(
+            RecordedRun(name if self._recorder.round == 1 else f"{name} round {self._recorder.round}", raw, tool, None)
+        )
+        if not len(tool):
+            raise RigError(f"the tracker gave no valid pose during {name} ({len(raw)} samples): is it in view and awake?")
+        return StoppedRun(tool, float(raw.time[0]) + called - began)
 
     def _order(self, option: int, sub_option: int, variables: Mapping[str, str], timeout: float) -> float:
         """Gives an order and returns when it was given.

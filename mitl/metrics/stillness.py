@@ -32,3 +32,20 @@ def is_still(path: PosePath, limit: float) -> bool:
     """Gives whether the valid samples stay within a cloud of diameter `limit` in m; a path without valid samples is not still."""
     valid = path.only_valid()
     return len(valid) > 0 and jitter_diameter(valid.position) < limit
+
+
+def standstill_after(path: PosePath, called: float, *, within: float = 25e-3, limit: float = 2e-3) -> float:
+    """Gives the seconds from `called` to where the path stands still: from there on it moves less than `limit` m in any `within` s.
+
+    facts/atc.md, ATC-6: under 2 mm in 25 ms. Infinite where it does not come to rest. Raises ValueError without valid samples after it.
+    """
+    valid = path.only_valid()
+    after = valid.between(called, np.inf)
+    if len(after) < 2:
+        raise ValueError(f"the path has no valid samples after {called:.3f} s")
+    later = np.stack([np.interp(after.time + within, after.time, after.position[:, axis]) for axis in range(3)], axis=1)
+    inside = after.time + within <= after.time[-1]
+    moving = np.flatnonzero((np.linalg.norm(later - after.position, axis=1) >= limit) & inside)
+    if len(moving) and moving[-1] == np.flatnonzero(inside)[-1]:
+        return float("inf")
+    return float(after.time[moving[-1]] - called) if len(moving) else 0.0

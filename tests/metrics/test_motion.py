@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from mitl.metrics.glitch import without_glitches
 from mitl.metrics.moving import moving_interval
 from mitl.metrics.speed import line_speed, path_speed, speed, speed_difference, velocity
-from mitl.metrics.stillness import is_still, jitter_diameter
+from mitl.metrics.stillness import is_still, jitter_diameter, standstill_after
 from mitl.paths import PosePath
 
 
@@ -196,3 +196,11 @@ def test_a_difference_of_speeds_is_known_as_well_as_it_says(start, stop):
 def test_a_difference_of_speeds_needs_samples():
     with pytest.raises(ValueError, match="got 0"):
         speed_difference(line_at(0.2), line_at(0.2), 20.0, 21.0, around=0.4)
+
+
+def test_standstill_is_where_the_speed_falls_below_2_mm_in_25_ms():
+    assert standstill_after(line_at(0.2), 4.0) == pytest.approx(1.0 - 0.010, abs=0.005)  # the last 2 mm at 200 mm/s take 10 ms
+    assert standstill_after(line_at(0.2), 5.5) == 0.0
+    assert standstill_after(line_at(0.2).between(0.0, 4.5), 4.0) == np.inf
+    with pytest.raises(ValueError, match="no valid samples"):
+        standstill_after(line_at(0.2), 99.0)
