@@ -35,6 +35,7 @@ COMMANDS = {
     "history": "Keep runs, and see their trends.",
     "diff": "What changed from one run to another.",
     "gate": "Whether a run lets the build through.",
+    "doctor": "Check a physical rig end to end; nothing moves.",
     "serve": "Serve a virtual controller by Robot Web Services.",
 }
 

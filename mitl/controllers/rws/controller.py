@@ -164,6 +164,10 @@ class RwsController:
         version = next((item.fields["rwversion"] for item in items if "rwversion" in item.fields), "")
         return version, tuple(item.fields["option"] for item in items if "option" in item.fields)
 
+    def clock_time(self) -> datetime | None:
+        """Gives the controller's own date and time, without time zone, or None where it cannot be read."""
+        return _stamp(self._transport.item(self._dialect.clock())["datetime"])
+
     def position(self, tool: str, wobj: str) -> FloatArray:
         """Gives the TCP's position (3,) in m in the base frame, with a tool and work object as the controller knows them."""
         item = self._transport.item(self._dialect.pose(tool, wobj))
