@@ -11,10 +11,13 @@ Standard library only. It never waits, moves or measures: see `effects`.
 
 from rapid_interp.errors import Diagnostic, RapidError, RapidErrors, Severity
 from rapid_interp.program import Program, Task, check, check_texts, load, load_text, start_tasks
+from rapid_interp.running.network import HostNetwork, Network
 from rapid_interp.source import SourceText
 
 __all__ = [
     "Diagnostic",
+    "HostNetwork",
+    "Network",
     "Program",
     "RapidError",
     "RapidErrors",

@@ -12,19 +12,22 @@ from typing import Any
 
 from rapid_interp.causes import not_caused
 from rapid_interp.effects import Effect, Reply
-from rapid_interp.errors import Diagnostic, RapidError, RapidErrors, Severity, diagnostic
+from rapid_interp.errors import Diagnostic, RapidError, RapidErrors, Severity
 from rapid_interp.meaning.calls import CallCompiler
 from rapid_interp.meaning.compiler import Findings
 from rapid_interp.meaning.declarations import Declarations
 from rapid_interp.meaning.predefined import DATA
-from rapid_interp.meaning.statements import StatementCompiler
+from rapid_interp.meaning.resolving import resolve
 from rapid_interp.meaning.symbols import DataSymbol, RoutineSymbol, Scope, did_you_mean
 from rapid_interp.meaning.types import Array, Atomic, RapidType, Record, Value
 from rapid_interp.reading.expressions import ExpressionParser, SyntaxProblem
 from rapid_interp.reading.files import read_texts
 from rapid_interp.reading.lexer import END
-from rapid_interp.reading.modules import Parsed, parse
+from rapid_interp.reading.modules import Parsed, parse_any
 from rapid_interp.running.format import literal
+from rapid_interp.running.mail import Mail
+from rapid_interp.running.modules import ModuleTable
+from rapid_interp.running.network import Network
 from rapid_interp.running.sandbox import Sandbox
 from rapid_interp.running.task import MAX_STEPS, Stepper
 from rapid_interp.running.values import Fault, frozen, is_python_record, to_record
@@ -42,12 +45,22 @@ class Program:
     warnings: tuple[Diagnostic, ...]
     _initial: tuple[Value, ...] = field(repr=False)
     _scopes: dict[str, Scope] = field(repr=False)
+    _everywhere: Scope = field(repr=False)
+    _parsed: tuple[Parsed, ...] = field(repr=False)
 
-    def start(self, routine: str = "main", module: str | None = None, *, max_steps: int = MAX_STEPS, files: Path | None = None) -> Task:
+    def start(
+        self,
+        routine: str = "main",
+        module: str | None = None,
+        *,
+        max_steps: int = MAX_STEPS,
+        files: Path | None = None,
+        network: Network | None = None,
+    ) -> Task:
         """Gives a new task about to run a procedure, with all data at their initial values.
 
         `max_steps` bounds the steps between effects that take time; a loop beyond it is a `RapidError`. `files` is the folder that
-        holds all files of the program; without it they are refused.
+        holds all files of the program, `network` what its sockets reach (`HostNetwork`); without them they are refused.
         """
         named = [found for found in self.routines if found.kind == "PROC" and (module is None or found.module.lower() == module.lower())]
         matches = [found for found in named if found.name.lower() == routine.lower()]
@@ -62,13 +75,7 @@ class Program:
         required = [parameter.name for parameter in entry.parameters if not parameter.optional]
         if required:
             raise RapidError(f"{entry.name} cannot be started: it needs the arguments {', '.join(required)}", code="RAPID-R361")
-        return Task(self, entry, max_steps, files)
-
-    def find_routine(self, name: str, module: str) -> RoutineSymbol | None:
-        """Gives the routine that `name` means in a module; `module:name` names the module."""
-        owner, colon, plain = name.rpartition(":")
-        scope = self._scopes.get((owner if colon else module).lower())
-        return scope.find_routine(plain) if scope else None
+        return Task(self, entry, max_steps, files, network)
 
     def find_data(self, name: str, module: str = "") -> DataSymbol:
         """Gives the data of a name or `module:name`; without module, the one seen from `module` or any."""
@@ -87,13 +94,17 @@ class Program:
 class Task:
     """A running program. Its data may be read and set at any time, also between two effects."""
 
-    def __init__(self, program: Program, entry: RoutineSymbol, max_steps: int, files: Path | None = None) -> None:
+    def __init__(
+        self, program: Program, entry: RoutineSymbol, max_steps: int, files: Path | None = None, network: Network | None = None
+    ) -> None:
         self.program = program
         self.entry = entry
         self._globals: list[Value] = list(program._initial)
-        self._stepper = Stepper(self._globals, entry, program.find_routine, max_steps)
+        self._modules = ModuleTable(program._scopes, program._everywhere, program.data, program._parsed, self._globals)
+        self._stepper = Stepper(self._globals, entry, self._modules, max_steps)
         self._shared: tuple[SharedData, dict[str, int]] | None = None
         self._stepper.files = Sandbox(files) if files is not None else None
+        self._stepper.network = network
 
     @property
     def name(self) -> str:
@@ -117,9 +128,11 @@ class Task:
                 shared.push(slots, self._globals)
             reply = yield effect
 
-    def share(self, name: str, shared: SharedData, slots: dict[str, int]) -> None:
-        """Names the task and lets it share data with others: see `start_tasks`."""
+    def share(self, name: str, shared: SharedData, slots: dict[str, int], mail: Mail) -> None:
+        """Names the task and lets it share data and messages with others: see `start_tasks`."""
         self._stepper.name = name
+        self._stepper.mail = mail
+        mail.slot(f"RMQ_{name}")
         self._shared = shared, slots
 
     def _pull(self) -> None:
@@ -155,6 +168,11 @@ class Task:
         self._globals[symbol.slot] = self._parsed(symbol, literal_text)
         if self._shared is not None:
             self._shared[0].push(self._shared[1], self._globals)
+
+    def saved(self) -> dict[str, str]:
+        """Gives the texts of the files whose PERS data have other values than at the start, with these as initial values."""
+        self._pull()
+        return self._modules.saved_files(self.program._initial)
 
     def _parsed(self, symbol: DataSymbol, text: str) -> Value:
         source = SourceText(f"value of {symbol.name}", text)
@@ -193,8 +211,9 @@ def start_tasks(
     everything = [symbol for program in programs.values() for symbol in program.data]
     shared = common_values(slots, {name: program._initial for name, program in programs.items()}, everything)
     tasks = {name: program.start(routine, max_steps=max_steps, files=files) for name, program in programs.items()}
+    mail = Mail()
     for name, task in tasks.items():
-        task.share(name, shared, slots[name])
+        task.share(name, shared, slots[name], mail)
     return tasks
 
 
@@ -215,19 +234,12 @@ def as_python(kind: RapidType, value: Value) -> Any:  # noqa: ANN401 - see `Task
 def _resolved(parsed: Sequence[Parsed], signals: Collection[str], *, lenient: bool) -> tuple[list[Diagnostic], Declarations]:
     findings = Findings(signals={name.lower() for name in signals}, lenient=lenient)
     declarations = Declarations(findings)
-    source = parsed[0].source if parsed else SourceText("", "")
-    try:
-        declarations.declare_all(parsed)
-        for symbol, node, unit in declarations.routines:
-            source = unit.source
-            StatementCompiler(unit.source, unit.module, unit.scope, findings, symbol).body(node, symbol, declarations.local_data)
-    except RecursionError:  # the parser bounds nesting; a bound on the sum of all kinds of it is only this one
-        findings.diagnostics.append(diagnostic(source, 0, "RAPID-E006", "nested too deeply"))
+    resolve(parsed, declarations)
     return findings.finish(), declarations
 
 
 def _load(texts: Sequence[SourceText], signals: Collection[str], *, lenient: bool) -> Program:
-    parsed = [_parse(text) for text in texts]
+    parsed = [parse_any(text) for text in texts]
     problems = [found for text in parsed for found in text.diagnostics]
     found, declarations = _resolved(parsed, signals, lenient=lenient)
     if problems:
@@ -241,14 +253,9 @@ def _load(texts: Sequence[SourceText], signals: Collection[str], *, lenient: boo
         warnings=tuple(found),
         _initial=tuple(declarations.globals),
         _scopes=declarations.scopes,
+        _everywhere=declarations.everywhere,
+        _parsed=tuple(parsed),
     )
-
-
-def _parse(text: SourceText) -> Parsed:
-    try:
-        return parse(text)
-    except RecursionError:
-        return Parsed(text, (), (diagnostic(text, 0, "RAPID-E006", "nested too deeply"),))
 
 
 def load(sources: Sequence[Path | str], *, signals: Collection[str] = (), lenient: bool = False) -> Program:
@@ -269,7 +276,7 @@ def check_texts(
     texts: Sequence[SourceText], *, syntax_only: bool = False, signals: Collection[str] = (), lenient: bool = False
 ) -> list[Diagnostic]:
     """Gives all findings of texts that make one program, in their order."""
-    parsed = [_parse(text) for text in texts]
+    parsed = [parse_any(text) for text in texts]
     problems = [found for text in parsed for found in text.diagnostics]
     if not syntax_only:
         found, _ = _resolved(parsed, signals, lenient=lenient)

@@ -12,20 +12,45 @@ from __future__ import annotations
 from typing import TypeAlias
 
 from rapid_interp.effects.basic import ReadClock, ReadSignal, SetSignal, StopProgram, Wait, Write
-from rapid_interp.effects.interrupts import AnalogCondition, Elapsed, Resume, SignalChange, Source, Subscribe, Unsubscribe, WaitForTasks
+from rapid_interp.effects.guidance import (
+    ActivateGuidance,
+    CorrectPath,
+    GuidedMove,
+    MoveUnits,
+    ReadGuidanceState,
+    RunGuidance,
+    SetUpGuidance,
+    StopGuidance,
+    StreamPositions,
+)
+from rapid_interp.effects.interrupts import (
+    AnalogCondition,
+    Elapsed,
+    EventLogged,
+    Resume,
+    SignalChange,
+    Source,
+    Subscribe,
+    Unsubscribe,
+    WaitForTasks,
+)
 from rapid_interp.effects.moves import Motion, Move, MoveAbsJ, MoveC, MoveJ, MoveL, SetConfiguration, SourceLine
 from rapid_interp.effects.questions import (
     AskOperator,
+    BreakSignal,
     Question,
     ReadDate,
+    ReadEvent,
     ReadJoints,
+    ReadSpeedOverride,
+    ReadSystem,
     ReadTarget,
     ReadTool,
     ReadWorkObject,
     SolveForward,
     SolveInverse,
 )
-from rapid_interp.effects.replies import Answer, Failed, Interrupted, Reply
+from rapid_interp.effects.replies import Answer, Event, Failed, Interrupted, Reply
 from rapid_interp.effects.settings import (
     ActivateUnit,
     ClearMotion,
@@ -35,6 +60,7 @@ from rapid_interp.effects.settings import (
     RefreshSpeed,
     RestoreMotion,
     SetAcceleration,
+    SetActive,
     SetAxisOffsets,
     SetCirclePathMode,
     SetDisplacement,
@@ -49,26 +75,49 @@ from rapid_interp.effects.settings import (
     WaitWorkObject,
 )
 from rapid_interp.effects.triggers import Action, CheckSignal, FollowSpeed, RaiseInterrupt, RampOutput, SetOutput, Trigger, TriggerMove
+from rapid_interp.effects.zones import (
+    BoxShape,
+    CylinderShape,
+    FreeZone,
+    JointShape,
+    Shape,
+    SphereShape,
+    SuperviseZone,
+    SwitchZone,
+)
 
 Effect: TypeAlias = (
     Motion | SetConfiguration | Wait | SetSignal | ReadSignal | ReadClock | Write | StopProgram
     | TriggerMove | Setting | Question | Subscribe | Unsubscribe | Resume | WaitForTasks
+    | SuperviseZone | SwitchZone | FreeZone
+    | SetUpGuidance | ActivateGuidance | RunGuidance | StopGuidance | StreamPositions | GuidedMove | ReadGuidanceState
+    | MoveUnits | CorrectPath
 )  # fmt: skip
 
 __all__ = [
     "Action",
+    "ActivateGuidance",
     "ActivateUnit",
     "AnalogCondition",
     "Answer",
     "AskOperator",
+    "BoxShape",
+    "BreakSignal",
     "CheckSignal",
     "ClearMotion",
+    "CorrectPath",
+    "CylinderShape",
     "DropWorkObject",
     "Effect",
     "Elapsed",
+    "Event",
+    "EventLogged",
     "Failed",
     "FollowSpeed",
+    "FreeZone",
+    "GuidedMove",
     "Interrupted",
+    "JointShape",
     "LimitPathAcceleration",
     "LimitWorldAcceleration",
     "Motion",
@@ -77,13 +126,18 @@ __all__ = [
     "MoveC",
     "MoveJ",
     "MoveL",
+    "MoveUnits",
     "Question",
     "RaiseInterrupt",
     "RampOutput",
     "ReadClock",
     "ReadDate",
+    "ReadEvent",
+    "ReadGuidanceState",
     "ReadJoints",
     "ReadSignal",
+    "ReadSpeedOverride",
+    "ReadSystem",
     "ReadTarget",
     "ReadTool",
     "ReadWorkObject",
@@ -91,7 +145,9 @@ __all__ = [
     "Reply",
     "RestoreMotion",
     "Resume",
+    "RunGuidance",
     "SetAcceleration",
+    "SetActive",
     "SetAxisOffsets",
     "SetCirclePathMode",
     "SetConfiguration",
@@ -101,18 +157,25 @@ __all__ = [
     "SetSignal",
     "SetSingularity",
     "SetSoftness",
+    "SetUpGuidance",
     "SetVelocity",
     "Setting",
+    "Shape",
     "SignalChange",
     "SolveForward",
     "SolveInverse",
     "Source",
     "SourceLine",
+    "SphereShape",
     "StartMotion",
+    "StopGuidance",
     "StopMotion",
     "StopProgram",
     "StoreMotion",
+    "StreamPositions",
     "Subscribe",
+    "SuperviseZone",
+    "SwitchZone",
     "Trigger",
     "TriggerMove",
     "Unsubscribe",

@@ -40,7 +40,16 @@ class Elapsed:
     seconds: float
 
 
-Source: TypeAlias = SignalChange | AnalogCondition | Elapsed
+@dataclass(frozen=True, slots=True)
+class EventLogged:
+    """A message of this domain and type comes into the controller's event log (`IError`); `number` 0 is any."""
+
+    domain: int
+    kind: int
+    number: int = 0
+
+
+Source: TypeAlias = SignalChange | AnalogCondition | Elapsed | EventLogged
 
 
 @dataclass(frozen=True, slots=True)

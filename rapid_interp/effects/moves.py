@@ -27,7 +27,7 @@ class Move:
     r"""What all motion instructions share.
 
     `tcp_speed` is `\V` in mm/s and replaces `speed.v_tcp`; `duration` is `\T` in seconds and replaces
-    both; `zone_mm` is `\Z` and replaces the zone's TCP size.
+    both; `zone_mm` is `\Z` and replaces the zone's TCP size; `corrected` is `\Corr`: `CorrectPath` counts.
     """
 
     at: SourceLine
@@ -38,6 +38,7 @@ class Move:
     tcp_speed: float | None = None
     duration: float | None = None
     zone_mm: float | None = None
+    corrected: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -70,6 +70,41 @@ class ReadDate:
 
 
 @dataclass(frozen=True, slots=True)
+class ReadSpeedOverride:
+    """`CSpeedOverride`: the reply is the operator's speed override in per cent."""
+
+    at: SourceLine
+
+
+@dataclass(frozen=True, slots=True)
+class ReadSystem:
+    """`GetSysInfo`, `IsSysId`: the reply is a text.
+
+    `what` is `SerialNo`, `SWVersion`, `RobotType`, `CtrlId`, `LanIp`, `CtrlLang` or `SystemName`.
+    """
+
+    at: SourceLine
+    what: str
+
+
+@dataclass(frozen=True, slots=True)
+class ReadEvent:
+    """`ReadErrData`: what raised this interrupt (`EventLogged`). The reply is an `Event`."""
+
+    at: SourceLine
+    interrupt: int
+
+
+@dataclass(frozen=True, slots=True)
+class BreakSignal:
+    r"""A signal that ends a question (`\DIBreak`, `\DOBreak`) when it is, or becomes, `value`; then the reply is `Failed` with `error`."""
+
+    name: str
+    value: float
+    error: str
+
+
+@dataclass(frozen=True, slots=True)
 class AskOperator:
     """`UIMsgBox`, `UINumEntry`, `UIAlphaEntry`, `UIListView`, `TPReadNum`, `TPReadFK` and their kind: wait for an answer.
 
@@ -84,8 +119,10 @@ class AskOperator:
     least: float | None = None
     most: float | None = None
     max_time: float | None = None
+    breaks: tuple[BreakSignal, ...] = ()
 
 
 Question: TypeAlias = (
     ReadTarget | ReadJoints | ReadTool | ReadWorkObject | SolveForward | SolveInverse | ReadDate | AskOperator
+    | ReadSpeedOverride | ReadEvent | ReadSystem
 )  # fmt: skip

@@ -22,7 +22,18 @@ class Failed:
     reason: str
 
 
-Answer: TypeAlias = float | str | RobTarget | JointTarget | ToolData | WObjData | Failed | None
+@dataclass(frozen=True, slots=True)
+class Event:
+    """A reply: a message of the event log."""
+
+    domain: int
+    number: int
+    kind: int
+    title: str = ""
+    texts: tuple[str, ...] = ()
+
+
+Answer: TypeAlias = float | str | RobTarget | JointTarget | ToolData | WObjData | Event | Failed | None
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from rapid_interp.data import ExtJoint, LoadData, Pose, WObjData
+from rapid_interp.data import ExtJoint, LoadData, Pose, ToolData, WObjData
 from rapid_interp.effects.moves import SourceLine
 
 
@@ -97,6 +97,15 @@ class SetLoad:
 
 
 @dataclass(frozen=True, slots=True)
+class SetActive:
+    """`SetSysData`: from now on this tool or work object counts as that of the last move."""
+
+    at: SourceLine
+    tool: ToolData | None = None
+    wobj: WObjData | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class SetSoftness:
     """`SoftAct`, `SoftDeact`: how soft an axis is in per cent; without `axis` all become stiff."""
 
@@ -172,6 +181,6 @@ class DropWorkObject:
 
 Setting: TypeAlias = (
     SetAcceleration | SetVelocity | LimitPathAcceleration | LimitWorldAcceleration | RefreshSpeed | SetCirclePathMode | SetSingularity
-    | SetDisplacement | SetAxisOffsets | SetLoad | SetSoftness | ActivateUnit
+    | SetDisplacement | SetAxisOffsets | SetLoad | SetActive | SetSoftness | ActivateUnit
     | StopMotion | StartMotion | ClearMotion | StoreMotion | RestoreMotion | WaitWorkObject | DropWorkObject
 )  # fmt: skip

@@ -8,30 +8,44 @@ from __future__ import annotations
 from functools import cache
 
 from rapid_interp.library import (
+    aliases,
     bits,
+    calibration,
     clocks,
     dialogs,
+    events,
     files,
+    guidance,
     interrupts,
     maths,
+    matrices,
+    messages,
+    modules,
     motion,
     operator,
-    pending,
     poses,
     positions,
+    queries,
+    rawbytes,
+    recorder,
     refused,
     settings,
     signals,
+    sockets,
     system,
     text,
+    text_tables,
+    trigger_arrays,
     triggers,
     variables,
+    zones,
 )
 from rapid_interp.library.table import LibraryRoutine
 
 _FAMILIES = (
-    motion, settings, triggers, positions, signals, interrupts, operator, dialogs, clocks, system, variables, maths, bits, poses, text,
-    files, refused, pending,
+    motion, settings, triggers, trigger_arrays, positions, recorder, zones, guidance, signals, aliases, interrupts, events, operator,
+    dialogs, clocks, system, queries, variables, maths, bits, poses, matrices, calibration, text, text_tables, rawbytes,
+    files, modules, messages, sockets, refused,
 )  # fmt: skip
 
 

@@ -22,16 +22,17 @@ if TYPE_CHECKING:
 _CODE = "latin-1"
 
 
-def _files(task: Stepper) -> Sandbox:
+def device(task: Stepper) -> Sandbox:
+    """Gives the folder that holds the program's files."""
     if task.files is None:
         raise file_fault("no folder was given for the program's files: start(..., files=FOLDER)", "ERR_FILEOPEN")
     return task.files
 
 
-def _open(task: Stepper, device: str, name: str | None, handle: Reference, _read: bool, write: bool, append: bool, binary: bool) -> None:
+def _open(task: Stepper, where: str, name: str | None, handle: Reference, _read: bool, write: bool, append: bool, binary: bool) -> None:
     """ASSUMPTION A-82: without a mode a file is opened to be read and, if it is a text, written at its end."""
-    files = _files(task)
-    path = files.path(device, name or "")
+    files = device(task)
+    path = files.path(where, name or "")
     mode = "wb" if write else "ab" if append else "rb" if _read else "r+b" if binary and path.exists() else "a+b"
     handle.put(float(files.open(path, mode)))
 
@@ -42,12 +43,12 @@ def _write(
     for kind, value in ((NUM, num), (BOOL, truth), (POS, pos), (ORIENT, orient), (DNUM, dnum)):
         if value is not None:
             text += printed(kind, value)
-    _files(task).write(handle, (text + "\n" * (not no_new_line)).encode(_CODE, errors="replace"))
+    device(task).write(handle, (text + "\n" * (not no_new_line)).encode(_CODE, errors="replace"))
 
 
 def _read_until(task: Stepper, handle: float, stops: bytes) -> str | None:
     found = bytearray()
-    while byte := _files(task).read(handle, 1):
+    while byte := device(task).read(handle, 1):
         if byte in stops:
             return found.decode(_CODE)
         found += byte
@@ -78,51 +79,59 @@ def _read_num(task: Stepper, handle: float, delimiters: str | None, _time: Value
 
 
 def _read_bin(task: Stepper, handle: float, _time: Value) -> float:
-    byte = _files(task).read(handle, 1)
+    byte = device(task).read(handle, 1)
     return float(byte[0]) if byte else -1.0
 
 
 def _read_str_bin(task: Stepper, handle: float, count: float, _time: Value) -> str:
-    return _files(task).read(handle, max(0, min(int(count), MAX_STRING))).decode(_CODE) or "EOF"
+    return device(task).read(handle, max(0, min(int(count), MAX_STRING))).decode(_CODE) or "EOF"
 
 
 def _write_bin(task: Stepper, handle: float, buffer: Value, count: float) -> None:
     values = buffer[: int(count)]
     if any(value != int(value) or not 0 <= value <= 255 for value in values):
         raise file_fault("WriteBin needs whole numbers from 0 to 255", "ERR_ARGVALERR")
-    _files(task).write(handle, bytes(int(value) for value in values))
+    device(task).write(handle, bytes(int(value) for value in values))
 
 
 def _write_str_bin(task: Stepper, handle: float, text: str) -> None:
-    _files(task).write(handle, text.encode(_CODE, errors="replace"))
+    device(task).write(handle, text.encode(_CODE, errors="replace"))
 
 
 def _rewind(task: Stepper, handle: float) -> None:
-    _files(task).file(handle).stream.seek(0)
+    device(task).file(handle).stream.seek(0)
 
 
 def _close(task: Stepper, handle: Reference) -> None:
-    _files(task).close(handle.get())
+    device(task).close(handle.get())
     handle.put(0.0)
 
 
 def _is_file(task: Stepper, path: str, folder: bool, *_: bool) -> bool:
-    place = _files(task).path(path)
+    place = device(task).path(path)
     return place.is_dir() if folder else place.exists()
 
 
 def _file_size(task: Stepper, path: str) -> float:
     try:
-        return float(_files(task).path(path).stat().st_size)
+        return float(device(task).path(path).stat().st_size)
     except OSError as problem:
         raise file_fault(f"{path!r}: {problem.strerror}", "ERR_FILEACC") from problem
+
+
+def _file_time(task: Stepper, path: str, _modified: bool, access: bool, status: bool, *_: Value) -> float:
+    try:
+        found = device(task).path(path).stat()
+    except OSError as problem:
+        raise file_fault(f"{path!r}: {problem.strerror}", "ERR_FILEACC") from problem
+    return float(int(found.st_atime if access else found.st_ctime if status else found.st_mtime))
 
 
 def _done(action: Callable[..., object]) -> Callable[..., None]:
     """Gives the routine that does something to paths, with the operating system's refusal as a RAPID error."""
 
     def run(task: Stepper, *paths: str) -> None:
-        places = [_files(task).path(path) for path in paths]
+        places = [device(task).path(path) for path in paths]
         try:
             action(*places)
         except OSError as problem:
@@ -132,7 +141,7 @@ def _done(action: Callable[..., object]) -> Callable[..., None]:
 
 
 def _open_dir(task: Stepper, handle: Reference, path: str) -> None:
-    files = _files(task)
+    files = device(task)
     try:
         names = sorted(child.name for child in files.path(path).iterdir())
     except OSError as problem:
@@ -143,7 +152,7 @@ def _open_dir(task: Stepper, handle: Reference, path: str) -> None:
 
 
 def _read_dir(task: Stepper, handle: float, name: Reference) -> bool:
-    names = _files(task).folders.get(int(handle))
+    names = device(task).folders.get(int(handle))
     if names is None:
         raise file_fault("the folder is not open", "ERR_FILEACC")
     if not names:
@@ -153,7 +162,7 @@ def _read_dir(task: Stepper, handle: float, name: Reference) -> bool:
 
 
 def _close_dir(task: Stepper, handle: float) -> None:
-    _files(task).folders.pop(int(handle), None)
+    device(task).folders.pop(int(handle), None)
 
 
 ROUTINES = (
@@ -180,6 +189,8 @@ ROUTINES = (
     LibraryRoutine("PROC ClearIOBuff(iodev IODevice)", lambda *_: None, task=True),
     LibraryRoutine(r"FUNC bool IsFile(string Path \switch Directory \switch Fifo \switch RegFile)", _is_file, task=True),
     LibraryRoutine("FUNC num FileSize(string Path)", _file_size, task=True),
+    LibraryRoutine(r"FUNC num FileTime(string Path \switch ModifyTime | switch AccessTime | switch StatCTime)", _file_time, task=True),
+    LibraryRoutine(r"FUNC dnum FileTimeDnum(string Path \switch ModifyTime | switch AccessTime | switch StatCTime)", _file_time, task=True),
     LibraryRoutine("PROC RemoveFile(string Path)", _done(lambda path: path.unlink()), task=True),
     LibraryRoutine("PROC RenameFile(string OldPath, string NewPath)", _done(lambda old, new: old.rename(new)), task=True),
     LibraryRoutine("PROC CopyFile(string OldPath, string NewPath)", _done(shutil.copyfile), task=True),

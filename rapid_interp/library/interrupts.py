@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 _EDGE = 2.0
 
 
-def _number(task: Stepper, interrupt: Reference) -> int:
+def number_of(task: Stepper, interrupt: Reference) -> int:
+    """Gives the number of an interrupt that is connected."""
     number = int(interrupt.get())
     if number not in task.interrupts.traps:
         raise Fault("the interrupt is not connected to a trap", "RAPID-R341", number=error_number("ERR_UNKINO"))
@@ -27,7 +28,7 @@ def _number(task: Stepper, interrupt: Reference) -> int:
 
 
 def _subscribe(task: Stepper, at: SourceLine, source: Source, interrupt: Reference, single: bool) -> Effects:
-    yield Subscribe(at, _number(task, interrupt), source, single)
+    yield Subscribe(at, number_of(task, interrupt), source, single)
 
 
 def _digital(task: Stepper, at: SourceLine, single: bool, safe: bool, signal: Value, value: float, interrupt: Reference) -> Effects:
@@ -62,11 +63,11 @@ def _delete(task: Stepper, at: SourceLine, interrupt: Reference, _safe: bool) ->
 
 
 def _sleep(task: Stepper, interrupt: Reference) -> None:
-    task.interrupts.asleep.add(_number(task, interrupt))
+    task.interrupts.asleep.add(number_of(task, interrupt))
 
 
 def _watch(task: Stepper, interrupt: Reference) -> None:
-    task.interrupts.asleep.discard(_number(task, interrupt))
+    task.interrupts.asleep.discard(number_of(task, interrupt))
 
 
 def _disable(task: Stepper) -> None:
@@ -79,24 +80,24 @@ def _enable(task: Stepper, _at: SourceLine) -> Effects:
 
 
 def _on_change(task: Stepper, single: bool, data: Reference, interrupt: Reference) -> None:
-    task.interrupts.watch(_number(task, interrupt), data, single=single)
+    task.interrupts.watch(number_of(task, interrupt), data, single=single)
 
 
-_ONCE = r"\switch Single | switch SingleSafe"
+ONCE = r"\switch Single | switch SingleSafe"
 ROUTINES = (
     *(
         LibraryRoutine(
-            rf"PROC ISignal{kind}({_ONCE}, signal{kind.lower()} Signal, num TriggValue, INOUT intnum Interrupt)", _digital, True, task=True
+            rf"PROC ISignal{kind}({ONCE}, signal{kind.lower()} Signal, num TriggValue, INOUT intnum Interrupt)", _digital, True, task=True
         )
         for kind in ("DI", "DO")
     ),
     *(
-        LibraryRoutine(rf"PROC ISignal{kind}({_ONCE}, signal{kind.lower()} Signal, INOUT intnum Interrupt)", _group, True, task=True)
+        LibraryRoutine(rf"PROC ISignal{kind}({ONCE}, signal{kind.lower()} Signal, INOUT intnum Interrupt)", _group, True, task=True)
         for kind in ("GI", "GO")
     ),
     *(
         LibraryRoutine(
-            rf"PROC ISignal{kind}({_ONCE}, signal{kind.lower()} Signal, num Condition, num HighValue, num LowValue, num DeltaValue"
+            rf"PROC ISignal{kind}({ONCE}, signal{kind.lower()} Signal, num Condition, num HighValue, num LowValue, num DeltaValue"
             r" \switch DPos | switch DNeg, INOUT intnum Interrupt)",
             _analog,
             True,
@@ -104,7 +105,7 @@ ROUTINES = (
         )
         for kind in ("AI", "AO")
     ),
-    LibraryRoutine(rf"PROC ITimer({_ONCE}, num Time, INOUT intnum Interrupt)", _timer, True, task=True),
+    LibraryRoutine(rf"PROC ITimer({ONCE}, num Time, INOUT intnum Interrupt)", _timer, True, task=True),
     LibraryRoutine(
         r"PROC IPers(\switch Single, INOUT anydata Name, INOUT intnum Interrupt)",
         lambda task, single, data, interrupt: _on_change(task, single, data[1], interrupt),

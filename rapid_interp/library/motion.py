@@ -68,10 +68,11 @@ def _orientation(rot: Value, owner: str) -> None:
         raise Fault(f"the orientation of {owner} is no unit quaternion: [{','.join(f'{part:g}' for part in rot)}]", "RAPID-R311")
 
 
-def _move_absj(
+def move_absj(
     at: SourceLine, _conc: bool, target: Value, _id: Value, _eoffs: bool,
     speed: Value, v: Value, t: Value, zone: Value, z: Value, inpos: Value, tool: Value, wobj: Value, _load: Value,
 ) -> Effects:  # fmt: skip
+    """Yields the MoveAbsJ of its arguments."""
     common = _common(at, speed, zone, tool, wobj, v, t, z, inpos)
     yield MoveAbsJ(target=cast(JointTargetData, to_record("jointtarget", target)), **common)
 
@@ -88,23 +89,23 @@ def move_j(
 
 def move_l(
     at: SourceLine, _conc: bool, target: Value, _id: Value,
-    speed: Value, v: Value, t: Value, zone: Value, z: Value, inpos: Value, tool: Value, wobj: Value, _corr: bool, _load: Value,
+    speed: Value, v: Value, t: Value, zone: Value, z: Value, inpos: Value, tool: Value, wobj: Value, corr: bool, _load: Value,
 ) -> Effects:  # fmt: skip
     """Yields the MoveL of its arguments."""
     common = _common(at, speed, zone, tool, wobj, v, t, z, inpos)
     _orientation(target[1], "the target")
-    yield MoveL(target=robtarget(target), **common)
+    yield MoveL(target=robtarget(target), corrected=corr, **common)
 
 
 def move_c(
     at: SourceLine, _conc: bool, via: Value, target: Value, _id: Value,
-    speed: Value, v: Value, t: Value, zone: Value, z: Value, inpos: Value, tool: Value, wobj: Value, _corr: bool, _load: Value,
+    speed: Value, v: Value, t: Value, zone: Value, z: Value, inpos: Value, tool: Value, wobj: Value, corr: bool, _load: Value,
 ) -> Effects:  # fmt: skip
     """Yields the MoveC of its arguments."""
     common = _common(at, speed, zone, tool, wobj, v, t, z, inpos)
     _orientation(via[1], "the circle point")
     _orientation(target[1], "the target")
-    yield MoveC(via=robtarget(via), target=robtarget(target), **common)
+    yield MoveC(via=robtarget(via), target=robtarget(target), corrected=corr, **common)
 
 
 def _configuration(*, joint_moves: bool) -> Any:  # noqa: ANN401 - a generator function for the table
@@ -124,7 +125,7 @@ def _wait_rob(at: SourceLine, _in_position: bool, _zero_speed: bool) -> Effects:
 ROUTINES = (
     LibraryRoutine(r"PROC WaitRob(\switch InPos | switch ZeroSpeed)", _wait_rob, True),
     LibraryRoutine(
-        rf"PROC MoveAbsJ(\switch Conc, jointtarget ToJointPos \identno ID \switch NoEOffs, {_HEAD} \loaddata TLoad)", _move_absj, True
+        rf"PROC MoveAbsJ(\switch Conc, jointtarget ToJointPos \identno ID \switch NoEOffs, {_HEAD} \loaddata TLoad)", move_absj, True
     ),
     LibraryRoutine(rf"PROC MoveJ(\switch Conc, robtarget ToPoint \identno ID, {_HEAD} \loaddata TLoad)", move_j, True),
     LibraryRoutine(rf"PROC MoveL(\switch Conc, robtarget ToPoint \identno ID, {_HEAD} \switch Corr \loaddata TLoad)", move_l, True),

@@ -77,18 +77,21 @@ def _rel_tool(target: Value, dx: float, dy: float, dz: float, rx: float | None, 
     return (moved, rot if turn == (1.0, 0.0, 0.0, 0.0) else multiply(rot, turn), *rest)
 
 
-def _pose_mult(first: Frame, second: Frame) -> Frame:
-    return _pose_vect(first, second[0]), multiply(first[1], second[1])
+def pose_mult(first: Frame, second: Frame) -> Frame:
+    """Gives the second frame, told in the first, in the frame around both."""
+    return pose_vect(first, second[0]), multiply(first[1], second[1])
 
 
-def _pose_inv(pose: Frame) -> Frame:
+def pose_inv(pose: Frame) -> Frame:
+    """Gives the frame around, told in this one."""
     w, x, y, z = pose[1]
     back = (w, -x, -y, -z)
     px, py, pz = rotate(back, pose[0])
     return (-px, -py, -pz), back
 
 
-def _pose_vect(pose: Frame, pos: Vector) -> Vector:
+def pose_vect(pose: Frame, pos: Vector) -> Vector:
+    """Gives a point of the frame in the frame around it."""
     x, y, z = rotate(pose[1], pos)
     tx, ty, tz = pose[0]
     return x + tx, y + ty, z + tz
@@ -139,7 +142,7 @@ def _def_frame(first: Vector, second: Vector, third: Vector, origin: float | Non
 
 def _def_dframe(a: Vector, b: Vector, c: Vector, new_a: Vector, new_b: Vector, new_c: Vector) -> Frame:
     """The displacement that takes three points to three others."""
-    return _pose_mult(_def_frame(new_a, new_b, new_c, None), _pose_inv(_def_frame(a, b, c, None)))
+    return pose_mult(_def_frame(new_a, new_b, new_c, None), pose_inv(_def_frame(a, b, c, None)))
 
 
 def _minus(a: Vector, b: Vector) -> Vector:
@@ -172,9 +175,9 @@ def _distance(a: Vector, b: Vector) -> float:
 ROUTINES = (
     LibraryRoutine("FUNC robtarget Offs(robtarget Point, num XOffset, num YOffset, num ZOffset)", _offs),
     LibraryRoutine(r"FUNC robtarget RelTool(robtarget Point, num Dx, num Dy, num Dz \num Rx \num Ry \num Rz)", _rel_tool),
-    LibraryRoutine("FUNC pose PoseMult(pose Pose1, pose Pose2)", _pose_mult),
-    LibraryRoutine("FUNC pose PoseInv(pose Pose)", _pose_inv),
-    LibraryRoutine("FUNC pos PoseVect(pose Pose, pos Pos)", _pose_vect),
+    LibraryRoutine("FUNC pose PoseMult(pose Pose1, pose Pose2)", pose_mult),
+    LibraryRoutine("FUNC pose PoseInv(pose Pose)", pose_inv),
+    LibraryRoutine("FUNC pos PoseVect(pose Pose, pos Pos)", pose_vect),
     LibraryRoutine("FUNC orient OrientZYX(num ZAngle, num YAngle, num XAngle)", from_euler_zyx),
     LibraryRoutine(r"FUNC num EulerZYX(\switch X | switch Y | switch Z, orient Rotation)", _euler_zyx),
     LibraryRoutine(r"FUNC pose DefFrame(pos NewP1, pos NewP2, pos NewP3 \num Origin)", _def_frame),

@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, cast
 
 from rapid_interp import effects as fx
-from rapid_interp.data import ExtJoint, LoadData, Pose, RobTarget, ToolData, WObjData
+from rapid_interp.data import ExtJoint, Pose, RobTarget, ToolData, WObjData
 from rapid_interp.effects import SourceLine
 from rapid_interp.library.poses import multiply, rotate
 from rapid_interp.library.table import Effects, LibraryRoutine, record_told
@@ -142,28 +142,38 @@ def _soft_deact(at: SourceLine, ramp: float | None) -> Effects:
     yield fx.SetSoftness(at, None, 0.0, 100.0 if ramp is None else ramp)
 
 
-def _stop_move(at: SourceLine, quick: bool, _all: bool) -> Effects:
+def _stop_move(task: Stepper, at: SourceLine, quick: bool, _all: bool) -> Effects:
+    task.stopped_motion = True
     yield fx.StopMotion(at, quick)
-
-
-def _grip_load(at: SourceLine, load: Value) -> Effects:
-    yield fx.SetLoad(at, cast(LoadData, to_record("loaddata", load)))
 
 
 def _world_acc_lim(at: SourceLine, most: float | None, _off: bool) -> Effects:
     yield fx.LimitWorldAcceleration(at, most)
 
 
+def _start_move(task: Stepper, at: SourceLine, *_: Value) -> Effects:
+    task.stopped_motion = False
+    yield fx.StartMotion(at)
+
+
+def _reset_stop(task: Stepper, at: SourceLine, *_: Value) -> Effects:
+    task.stopped_motion = False
+    yield fx.ClearMotion(at)
+
+
+def _store(task: Stepper, at: SourceLine, *_: Value) -> Effects:
+    task.stored_paths += 1
+    yield fx.StoreMotion(at)
+
+
+def _restore(task: Stepper, at: SourceLine) -> Effects:
+    task.stored_paths = max(0, task.stored_paths - 1)
+    yield fx.RestoreMotion(at)
+
+
 def _plain(effect: Callable[[SourceLine], fx.Effect]) -> Callable[..., Effects]:
     def run(at: SourceLine, *_: Value) -> Effects:
         yield effect(at)
-
-    return run
-
-
-def _unit(*, active: bool) -> Callable[..., Effects]:
-    def run(at: SourceLine, unit: Value) -> Effects:
-        yield fx.ActivateUnit(at, str(unit or ""), active)
 
     return run
 
@@ -185,18 +195,15 @@ ROUTINES = (
     LibraryRoutine("PROC EOffsSet(extjoint EAxOffs)", _offset, True, task=True),
     LibraryRoutine("PROC EOffsOff()", lambda task, at: _offset(task, at, NO_OFFSETS), True, task=True),
     LibraryRoutine(r"FUNC robtarget ORobT(robtarget OrgPoint \switch InPDisp | switch InEOffs)", _orobt, task=True),
-    LibraryRoutine("PROC GripLoad(loaddata Load)", _grip_load, True),
     LibraryRoutine(r"PROC SoftAct(\mecunit MechUnit, num Axis, num Softness \num Ramp)", _soft_act, True),
     LibraryRoutine(r"PROC SoftDeact(\num Ramp)", _soft_deact, True),
-    LibraryRoutine("PROC ActUnit(mecunit MechUnit)", _unit(active=True), True),
-    LibraryRoutine("PROC DeactUnit(mecunit MechUnit)", _unit(active=False), True),
-    LibraryRoutine(r"PROC StopMove(\switch Quick \switch AllMotionTasks)", _stop_move, True),
-    LibraryRoutine(r"PROC StartMove(\switch AllMotionTasks)", _plain(fx.StartMotion), True),
-    LibraryRoutine(r"PROC StartMoveRetry()", _plain(fx.StartMotion), True),
-    LibraryRoutine(r"PROC StopMoveReset(\switch AllMotionTasks)", _plain(fx.ClearMotion), True),
+    LibraryRoutine(r"PROC StopMove(\switch Quick \switch AllMotionTasks)", _stop_move, True, task=True),
+    LibraryRoutine(r"PROC StartMove(\switch AllMotionTasks)", _start_move, True, task=True),
+    LibraryRoutine(r"PROC StartMoveRetry()", _start_move, True, task=True),
+    LibraryRoutine(r"PROC StopMoveReset(\switch AllMotionTasks)", _reset_stop, True, task=True),
     LibraryRoutine("PROC ClearPath()", _plain(fx.ClearMotion), True),
-    LibraryRoutine(r"PROC StorePath(\switch KeepSync)", _plain(fx.StoreMotion), True),
-    LibraryRoutine("PROC RestoPath()", _plain(fx.RestoreMotion), True),
+    LibraryRoutine(r"PROC StorePath(\switch KeepSync)", _store, True, task=True),
+    LibraryRoutine("PROC RestoPath()", _restore, True, task=True),
     LibraryRoutine(r"PROC WaitWObj(wobjdata WObj \num RelDist \num MaxTime \INOUT bool TimeFlag)", _wait_wobj, True),
     LibraryRoutine("PROC DropWObj(wobjdata WObj)", _drop_wobj, True),
 )

@@ -25,8 +25,8 @@ class LibraryRoutine:
     """A predefined routine. `run` takes the arguments in the order of the head and gives the function's value.
 
     With `effects`, `run` is a generator function whose first argument is the `SourceLine` of the call; with `task` the running
-    task comes before all other arguments. `refused` says why a routine is read and checked, but never carried out.
-    Without `run` the routine is known, but not executed yet; without parentheses in `head` neither are its arguments.
+    task comes before all other arguments. Without `run` the routine is known by its name and read with any arguments; `refused`
+    says why it is not carried out.
     """
 
     head: str

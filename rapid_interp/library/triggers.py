@@ -43,7 +43,8 @@ def _output(digital: Value, group: Value, analog: Value, value: float) -> Action
     raise Fault("one of \\DOp, \\GOp and \\AOp is needed", "RAPID-R313")
 
 
-def _placed(action: Action, distance: float, from_start: bool, in_seconds: bool, lag: float = 0.0) -> Trigger:
+def placed(action: Action, distance: float, from_start: bool, in_seconds: bool, lag: float = 0.0) -> Trigger:
+    """Gives the trigger of an action at a distance in mm, or s with `in_seconds`."""
     if distance < 0:
         raise Fault(f"the distance of a trigger cannot be negative, found {distance:g}", "RAPID-R313")
     if in_seconds:
@@ -55,35 +56,35 @@ def _trigg_io(
     data: Reference, distance: float, start: bool, in_seconds: bool, digital: Value, group: Value, analog: Value, value: float,
     delay: float | None,
 ) -> None:  # fmt: skip
-    data.put(_placed(_output(digital, group, analog, value), distance, start, in_seconds, -(delay or 0.0)))
+    data.put(placed(_output(digital, group, analog, value), distance, start, in_seconds, -(delay or 0.0)))
 
 
 def _trigg_equip(
     data: Reference, distance: float, start: bool, lag: float, digital: Value, group: Value, analog: Value, value: float, *_: Value
 ) -> None:
     """ASSUMPTION A-46: a positive EquipLag fires earlier."""
-    data.put(_placed(_output(digital, group, analog, value), distance, start, False, lag))
+    data.put(placed(_output(digital, group, analog, value), distance, start, False, lag))
 
 
 def _connected(task: Stepper, interrupt: Reference) -> int:
-    number = int(interrupt.get())
-    if number not in task.interrupts.traps:
+    found = int(interrupt.get())
+    if found not in task.interrupts.traps:
         raise Fault("the interrupt is not connected to a trap", "RAPID-R341", number=error_number("ERR_UNKINO"))
-    return number
+    return found
 
 
 def _trigg_int(task: Stepper, data: Reference, distance: float, start: bool, in_seconds: bool, interrupt: Reference) -> None:
-    data.put(_placed(RaiseInterrupt(_connected(task, interrupt)), distance, start, in_seconds))
+    data.put(placed(RaiseInterrupt(_connected(task, interrupt)), distance, start, in_seconds))
 
 
 def _trigg_speed(data: Reference, distance: float, start: bool, lag: float, analog: Value, scale: float, *_: Value) -> None:
-    data.put(_placed(FollowSpeed(signal_name(analog), scale, lag), distance, start, False))
+    data.put(placed(FollowSpeed(signal_name(analog), scale, lag), distance, start, False))
 
 
 def _trigg_ramp(
     data: Reference, distance: float, start: bool, lag: float, analog: Value, value: float, ramp: float, in_seconds: bool
 ) -> None:
-    data.put(_placed(RampOutput(signal_name(analog), value, ramp, in_seconds), distance, start, False, lag))
+    data.put(placed(RampOutput(signal_name(analog), value, ramp, in_seconds), distance, start, False, lag))
 
 
 def _trigg_check(
@@ -94,13 +95,14 @@ def _trigg_check(
     if condition is None:
         raise Fault(f"{relation:g} is no relation: use EQ, NOTEQ, LT, LTEQ, GT or GTEQ", "RAPID-R313")
     action = CheckSignal(signal_name(signal), condition, value, _connected(task, interrupt), stops)
-    data.put(_placed(action, distance, start, in_seconds))
+    data.put(placed(action, distance, start, in_seconds))
 
 
 # ---------------------------------------------------------------- moves with triggers
 
 
-def _listed(given: tuple[tuple[RapidType, Value] | None, ...]) -> tuple[Trigger, ...]:
+def listed(given: tuple[tuple[RapidType, Value] | None, ...]) -> tuple[Trigger, ...]:
+    """Gives the triggers of trigger data and of arrays of them."""
     found: list[Trigger] = []
     for typed in given:
         if typed is None:
@@ -115,7 +117,8 @@ def _listed(given: tuple[tuple[RapidType, Value] | None, ...]) -> tuple[Trigger,
     return tuple(found)
 
 
-def _with_triggers(at: SourceLine, moves: Effects, triggers: tuple[Trigger, ...]) -> Effects:
+def with_triggers(at: SourceLine, moves: Effects, triggers: tuple[Trigger, ...]) -> Effects:
+    """Yields the move that a mover makes, with triggers."""
     move: Motion = next(moves)  # type: ignore[assignment] # a mover yields one motion
     yield TriggerMove(at, move, triggers)
 
@@ -123,10 +126,10 @@ def _with_triggers(at: SourceLine, moves: Effects, triggers: tuple[Trigger, ...]
 def _trigg_move(mover: Mover, targets: int) -> Mover:
     def run(at: SourceLine, conc: bool, *given: Value) -> Effects:
         points, (ident, speed, duration), rest = given[:targets], given[targets : targets + 3], given[targets + 3 :]
-        triggers, (zone, inpos, tool, wobj, _corr, load) = rest[:8], rest[8:]
-        corr = () if mover is move_j else (False,)
+        triggers, (zone, inpos, tool, wobj, corrected, load) = rest[:8], rest[8:]
+        corr = () if mover is move_j else (corrected,)
         moves = mover(at, conc, *points, ident, speed, None, duration, zone, None, inpos, tool, wobj, *corr, load)
-        return _with_triggers(at, moves, _listed(triggers))
+        return with_triggers(at, moves, listed(triggers))
 
     return run
 
@@ -136,30 +139,38 @@ def _move_and(mover: Mover, targets: int, action: Callable[[Value, float], Actio
         points, (ident, speed, duration, zone, tool, wobj, signal, value, load) = given[:targets], given[targets:]
         corr = () if mover is move_j else (False,)
         moves = mover(at, False, *points, ident, speed, None, duration, zone, None, None, tool, wobj, *corr, load)
-        return _with_triggers(at, moves, (Trigger(action=action(signal, value)),))
+        return with_triggers(at, moves, (Trigger(action=action(signal, value)),))
 
     return run
+
+
+def called_from_path(task: Stepper, at: SourceLine, name: str) -> int:
+    """Gives the interrupt number that calls a procedure from the path."""
+    procedure = task.find(name, at.module)
+    if procedure is None or procedure.kind != "PROC" or any(not parameter.optional for parameter in procedure.parameters):
+        message = f"no procedure {name!r} without arguments"
+        raise Fault(message, "RAPID-R351", number=error_number("ERR_REFUNKPRC"))
+    return task.interrupts.call_once(procedure)
 
 
 def _move_sync(mover: Mover, targets: int) -> Callable[..., Effects]:
     def run(task: Stepper, at: SourceLine, *given: Value) -> Effects:
         points, (ident, speed, duration, zone, tool, wobj, name, load) = given[:targets], given[targets:]
-        procedure = task.find(name, at.module)
-        if procedure is None or procedure.kind != "PROC" or any(not parameter.optional for parameter in procedure.parameters):
-            message = f"no procedure {name!r} without arguments"
-            raise Fault(message, "RAPID-R351", number=error_number("ERR_REFUNKPRC"))
+        interrupt = called_from_path(task, at, name)
         corr = () if mover is move_j else (False,)
         moves = mover(at, False, *points, ident, speed, None, duration, zone, None, None, tool, wobj, *corr, load)
-        return _with_triggers(at, moves, (Trigger(action=RaiseInterrupt(task.interrupts.call_once(procedure))),))
+        return with_triggers(at, moves, (Trigger(action=RaiseInterrupt(interrupt)),))
 
     return run
 
 
-def _digital(signal: Value, value: float) -> Action:
+def digital(signal: Value, value: float) -> Action:
+    """Gives the action that sets a digital output."""
     return SetOutput(signal_name(signal), float(bool(value)))
 
 
-def _number(signal: Value, value: float) -> Action:
+def number(signal: Value, value: float) -> Action:
+    """Gives the action that sets an analog or group output."""
     return SetOutput(signal_name(signal), value)
 
 
@@ -187,7 +198,7 @@ def _moves() -> tuple[LibraryRoutine, ...]:
             )
         )
         common = rf"{head}, zonedata Zone, tooldata Tool \wobjdata WObj"
-        for kind, action in (("DO", _digital), ("AO", _number), ("GO", _number)):
+        for kind, action in (("DO", digital), ("AO", number), ("GO", number)):
             found.append(
                 LibraryRoutine(
                     rf"PROC Move{letter}{kind}({common}, signal{kind.lower()} Signal, num Value \loaddata TLoad)",

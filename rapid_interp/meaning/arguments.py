@@ -20,11 +20,13 @@ NUMERIC = Atomic("num or dnum")
 ANYTYPE = Atomic("anytype", default=())
 NUMERICDATA = Atomic("num or dnum", default=0.0)
 ANYDATA = Atomic("anydata", default=())
+SIGNALNAME = Atomic("signal or its name", default=())
 _LIBRARY_TYPES: dict[str, RapidType] = {
     "numeric": NUMERIC,
     "numericdata": NUMERICDATA,
     "anytype": ANYTYPE,
     "anydata": ANYDATA,
+    "signalname": SIGNALNAME,
     "unknown": ANY,
 }
 

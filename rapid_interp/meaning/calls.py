@@ -22,7 +22,7 @@ from rapid_interp.meaning.arguments import (
 from rapid_interp.meaning.compiler import Operand, failed
 from rapid_interp.meaning.expressions import ExpressionCompiler
 from rapid_interp.meaning.symbols import GLOBALS, TASK, Frame, ParameterInfo, RoutineSymbol, Run
-from rapid_interp.meaning.types import ANY, BOOL, DNUM, NUM, SWITCH, RapidType, Value, fits, is_opaque, is_signal
+from rapid_interp.meaning.types import ANY, BOOL, DNUM, NUM, STRING, SWITCH, RapidType, Value, conforms, fits, is_opaque, is_signal
 from rapid_interp.reading.tree import Argument, Call, CallStatement, LateName, Name
 from rapid_interp.running.numbers import has_nums, rounded
 from rapid_interp.running.values import ABSENT, Fault, FixedReference
@@ -94,7 +94,9 @@ class CallCompiler(ExpressionCompiler):
         result = library_result(library)
         if library.run is None:
             self._pending(library, node.arguments, node.start)
-            return failed(result, f"{library.name}: {library.refused}" if library.refused else f"not executed yet: {library.name}")
+            return failed(result, f"{library.name}: {library.refused}")
+        if library.refused:
+            self.warn("RAPID-W203", f"{library.name}: {library.refused}", node.start)
         binders = self._library_binders(library, node.arguments, node.end - 1)
         if library.effects:
             slot = self.new_slot()
@@ -153,6 +155,8 @@ class CallCompiler(ExpressionCompiler):
         if library.run is None:
             self._refused(library, node)
             return
+        if library.refused:
+            self.warn("RAPID-W203", f"{library.name}: {library.refused}", node.start)
         binders = self._library_binders(library, node.arguments, node.name.end - 1)
         if library.effects:
             self._perform(library, binders, node.start, None)
@@ -196,20 +200,21 @@ class CallCompiler(ExpressionCompiler):
 
     def _refused(self, library: LibraryRoutine, node: CallStatement) -> None:
         if self.findings.lenient and library.harmless:
-            self.warn("RAPID-W202", f"left out: {library.name}", node.start)
+            self.warn("RAPID-W202", f"left out: {library.name}: {library.refused}", node.start)
             self._look_at(node.arguments)
             return
         self._pending(library, node.arguments, node.start)
-        message = f"{library.name}: {library.refused}" if library.refused else f"not executed yet: {library.name}"
-        code = "RAPID-R391" if library.refused else "RAPID-R390"
+        message = f"{library.name}: {library.refused}"
+        if library.harmless:
+            message += "; --lenient leaves it out"
 
         def refuse(_: Frame) -> int:
-            raise Fault(message, code)
+            raise Fault(message, "RAPID-R391")
 
         self.emit(refuse)
 
     def _late(self, name: LateName, node: CallStatement) -> None:
-        called = self.value(name.value)
+        called = self.value(name.value, STRING)
         self.late_call(called.run, node.arguments)
 
     def late_call(self, called: Run, arguments: tuple[Argument, ...]) -> None:
@@ -235,10 +240,10 @@ class CallCompiler(ExpressionCompiler):
         return lambda f: LateArgument(option, kind, ABSENT if f[slot] is ABSENT else refer(f))
 
     def _pending(self, library: LibraryRoutine, arguments: tuple[Argument, ...], at: int) -> None:
-        if library.refused:
-            self.warn("RAPID-W203", f"not carried out: {library.name}: {library.refused}", at)
+        if library.harmless:
+            self.warn("RAPID-W201", f"read but not executed: {library.name}: {library.refused}; --lenient leaves it out", at)
         else:
-            self.warn("RAPID-W201", f"not executed yet: {library.name}", at)
+            self.warn("RAPID-W203", f"not carried out: {library.name}: {library.refused}", at)
         self._look_at(arguments)
 
     # ---------------------------------------------------------------- binding
@@ -287,6 +292,16 @@ class CallCompiler(ExpressionCompiler):
         elif operand.storage in _MISFITS.get(parameter.mode, ()) and not operand.signal and not is_signal(operand.type):
             wanted = "persistent" if parameter.mode == "PERS" else "variable"
             self.error("RAPID-E115", f"{parameter.name} is a parameter of mode {parameter.mode}: it needs a {wanted}", argument.start)
+        if operand.refer is not None and is_opaque(operand.type) and not is_opaque(parameter.type):
+            refer, kind = operand.refer, parameter.type
+
+            def checked(f: Frame) -> Value:
+                reference = refer(f)
+                if not conforms(reference.get(), kind):
+                    raise Fault(f"{parameter.name} needs {kind.name}; the type of what is given is not known", "RAPID-R307")
+                return reference
+
+            return checked
         return operand.refer or operand.run
 
     def _passed_on(self, parameter: ParameterInfo, argument: Argument) -> Run:

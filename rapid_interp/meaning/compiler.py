@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from rapid_interp.effects import SourceLine
 from rapid_interp.errors import Diagnostic, Severity, diagnostic
 from rapid_interp.meaning.symbols import Code, DataSymbol, Frame, RoutineSymbol, Run, Scope, Step, did_you_mean
-from rapid_interp.meaning.types import ANY, RapidType, Value
+from rapid_interp.meaning.types import ANY, RapidType, Value, conforms
 from rapid_interp.running.values import Fault, Reference
 from rapid_interp.source import SourceText
 
@@ -150,6 +150,19 @@ def failed(kind: RapidType = ANY, reason: str = "this expression cannot be execu
         raise Fault(reason, "RAPID-R390")
 
     return Operand(kind, never)
+
+
+def conforming(operand: Operand, kind: RapidType) -> Operand:
+    """Gives an operand of a type that is not known as one of this type; a value that cannot be one is an error when it is used."""
+    run = operand.run
+
+    def checked(f: Frame) -> Value:
+        value = run(f)
+        if not conforms(value, kind):
+            raise Fault(f"this needs {kind.name}; the value's type is not known and it is none", "RAPID-R307")
+        return value
+
+    return Operand(kind, checked)
 
 
 def folded(operand: Operand) -> Operand:

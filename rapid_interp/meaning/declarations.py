@@ -57,12 +57,16 @@ class _NoTask:
 class Declarations:
     """The names of a program. After `declare_all`, `globals` holds the initial values and `routines` what to compile."""
 
-    def __init__(self, findings: Findings) -> None:
+    def __init__(self, findings: Findings, everywhere: Scope | None = None, values: Sequence[Value] = ()) -> None:
+        """With `everywhere`, what is declared joins the names and values of a program that runs."""
         self.findings = findings
-        self.everywhere = Scope()
-        self.everywhere.types.update(PREDEFINED)
+        self._joins = everywhere is not None
+        self.everywhere = everywhere or Scope()
+        if not self._joins:
+            self.everywhere.types.update(PREDEFINED)
         self.scopes: dict[str, Scope] = {}
         self.globals = _Globals()
+        self.globals.extend(values)
         self.data: list[DataSymbol] = []
         self.routines: list[tuple[RoutineSymbol, Routine, CallCompiler]] = []
         self._frame: Frame = [self.globals, _NoTask(), None, None]
@@ -101,7 +105,8 @@ class Declarations:
                     unit.warn("RAPID-W201", f"not executed: the placeholder {node.text}", node.start)
         for node, unit in arrays:
             self._declare_data(unit, node)
-        self._user_data()
+        if not self._joins:
+            self._user_data()
         self._compute()
 
     def _module(self, module: Module, source: SourceText) -> CallCompiler:
@@ -124,7 +129,8 @@ class Declarations:
         if scope == "LOCAL":
             self.findings.local_names[key] = unit.module
         else:
-            owner = self._public.setdefault(key, unit.module)
+            known = (self.everywhere.find_data(name.text) or self.everywhere.find_routine(name.text)) if self._joins else None
+            owner = self._public.setdefault(key, known.module if known else unit.module)
             if owner != unit.module:
                 unit.error("RAPID-E105", f"{name.text!r} is declared by module {owner} too; one of them must be LOCAL", name.start)
 

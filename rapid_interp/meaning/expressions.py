@@ -11,7 +11,7 @@ from typing import assert_never
 from rapid_interp.effects import ReadSignal
 from rapid_interp.errors import diagnostic
 from rapid_interp.meaning import operators
-from rapid_interp.meaning.compiler import Compiler, Operand, constant, failed, folded
+from rapid_interp.meaning.compiler import Compiler, Operand, conforming, constant, failed, folded
 from rapid_interp.meaning.elements import checked, element, single
 from rapid_interp.meaning.predefined import DATA, ERROR_PREFIX
 from rapid_interp.meaning.symbols import GLOBALS, DataSymbol, Frame, Run, did_you_mean
@@ -50,6 +50,7 @@ from rapid_interp.running.values import ABSENT, Fault, FixedReference, PartRefer
 
 SIGNAL_PREFIXES = ("di", "do", "gi", "go", "ai", "ao")
 """ASSUMPTION A-36: an undeclared name that begins so, followed by a digit, `_` or a capital, is a signal of the controller."""
+SIGNAL_OR_NAME = "signal or its name"
 _CONFIGURED = frozenset({"taskid", "mecunit", "syncident"})
 
 
@@ -60,7 +61,7 @@ class ExpressionCompiler(Compiler):
         """Gives the operand for an expression whose value must be of the wanted type."""
         operand = self.operand(node, wanted)
         if operand.signal or is_signal(operand.type):
-            if is_signal(wanted):
+            if is_signal(wanted) or wanted.name == SIGNAL_OR_NAME:
                 return operand
             operand = self.read_signal(operand, node.start)
         if operand.type is NUM and operand.constant:
@@ -74,6 +75,8 @@ class ExpressionCompiler(Compiler):
         elif not fits(operand.type, wanted):
             self.error("RAPID-E120", f"expected {wanted.name}, found {operand.type.name}", node.start)
             return failed(wanted)
+        if is_opaque(operand.type) and not is_opaque(wanted):
+            return conforming(operand, wanted)
         return operand
 
     def operand(self, node: Expression, wanted: RapidType) -> Operand:
@@ -125,7 +128,7 @@ class ExpressionCompiler(Compiler):
             return Operand(kind, lambda _: value, lambda _: FixedReference(value), "CONST", constant=True)
         if key.startswith(ERROR_PREFIX):
             return constant(NUM, error_number(key))
-        if is_signal(wanted):
+        if is_signal(wanted) or wanted.name == SIGNAL_OR_NAME:
             self.findings.signals.add(key)
             return self.signal(node.text, wanted)
         if wanted.name in _CONFIGURED:

@@ -63,6 +63,21 @@ TRIGGDATA = Atomic("triggdata", default=None)
 """Holds a `Trigger`, or None before TriggIO or its kind has defined it."""
 SYNCIDENT = Atomic("syncident", default="")
 """Its value is its name: tasks meet where these names are the same."""
+RAWBYTES = Atomic("rawbytes", default=b"")
+"""Its value is a Python `bytes`."""
+SHAPEDATA = Atomic("shapedata", default=None)
+"""Holds a shape of a world zone, or None before WZBoxDef or its kind has defined it."""
+DATAPOS = Atomic("datapos", default="")
+"""The module of data that GetNextSym found."""
+RMQMESSAGE = Atomic("rmqmessage", default=None)
+"""Holds a `Message`, or None before RMQGetMessage."""
+MECUNIT = Atomic("mecunit", default="")
+"""Its value is its name."""
+NUMBERED = tuple(
+    Atomic(name)
+    for name in ("wzstationary", "wztemporary", "egmident", "corrdescr", "loadsession", "trapdata", "pathrecid", "socketdev", "rmqslot")
+)
+"""Types whose values are numbers that the task gives."""
 IODEV, DIR = Atomic("iodev"), Atomic("dir")
 """Handles of open files and folders."""
 SIGNAL_NAMES = ("signaldi", "signaldo", "signalgi", "signalgo", "signalai", "signalao", "signalxx")
@@ -91,19 +106,23 @@ _RECORDS = {
     "progdisp": "pose pdisp, extjoint eoffs",
     "tasks": "taskname taskname",
     "listitem": "string image, string text",
+    "egm_minmax": "num Min, num Max",
+    "triggios": "bool used, num distance, bool start, num equiplag, string signalname, num setvalue, num xxx",
+    "triggiosdnum": "bool used, num distance, bool start, num equiplag, string signalname, dnum setvalue, num xxx",
+    "triggstrgo": "bool used, num distance, bool start, num equiplag, string signalname, string setvalue, num xxx",
 }
 
 # ASSUMPTION A-23: these predefined types are aliases of num or string, or have no components that programs use.
 _NUM_ALIASES = """errnum intnum identno dionum btnres icondata opnum tunetype errdomain errtype handler byte loadidnum paridnum
     paridvalidnum symnum wztype switchnum sensorstate stopmovestart_mot syncnum listenum exec_level execution_mode inttypes
-    sockstatus socketstatus buttondata iounit_state event_type veldata_num mecunitnum signalorigin cssframe aiotrigg tpnum trapnum"""
+    sockstatus socketstatus buttondata iounit_state event_type veldata_num mecunitnum signalorigin cssframe aiotrigg tpnum trapnum
+    egmstate egmframetype egmstopmode"""
 _STRING_ALIASES = "errstr restring stringdig taskname syncidentname"
-_OPAQUE = """socketdev rawbytes triggios triggiosdnum triggstrgo triggmode shapedata wzstationary wztemporary mecunit
-    taskid loadsession stoppointdata trapdata restartdata datapos corrdescr egmident egmstate egmframetype egmstopmode
-    egm_minmax progdata errdata uishownum visiondata cameradev cameratarget cameraextdata camerastatus weavedata
+_OPAQUE = """rmqheader triggmode
+    taskid stoppointdata restartdata progdata errdata uishownum visiondata cameradev cameratarget cameraextdata camerastatus weavedata
     seamdata welddata trackdata arcdata gundata spotdata simdata forcedata paintdata fcforcevector fcspeedvector fcprocessdata fcplane
     fccylinder fcsphere fclindir fcrotdir fcdamping fcboxvol fcxyznum fccondstatus searchdata sensor sensordata intdata busstate
-    lnkdata clipdata gripdata opcalc hostdata pathrecid camdata bool_array confsupdata supervtype stoppoint weldtype ioviewdata
+    lnkdata clipdata gripdata opcalc hostdata camdata bool_array confsupdata supervtype stoppoint weldtype ioviewdata
     tspstatus robjointlimits opmode symbolmode indmode poslimits dataset itmsrc itmtgt sortdata selectiondata sourcedata motsetdata"""
 
 
@@ -112,7 +131,7 @@ def _predefined() -> dict[str, RapidType]:
     known |= SIGNALS
     known |= dict.fromkeys(_NUM_ALIASES.split(), NUM)
     known |= dict.fromkeys(_STRING_ALIASES.split(), STRING)
-    known |= {kind.name: kind for kind in (TRIGGDATA, SYNCIDENT, IODEV, DIR)}
+    known |= {kind.name: kind for kind in (TRIGGDATA, SYNCIDENT, RAWBYTES, SHAPEDATA, DATAPOS, RMQMESSAGE, MECUNIT, IODEV, DIR, *NUMBERED)}
     for name, text in _RECORDS.items():
         known[name] = _record(name, text, known)
     known |= {name: Atomic(name, default=OPAQUE_DEFAULT) for name in _OPAQUE.split()}
@@ -158,6 +177,20 @@ def default_value(kind: RapidType) -> Value:
             for size in reversed(kind.dimensions):
                 value = (value,) * max(size, 0)
             return value
+
+
+def conforms(value: Value, kind: RapidType) -> bool:
+    """Gives whether a value of a type that was not known can be used as one of this type."""
+    match kind:
+        case Atomic():
+            wanted = kind.default.__class__
+            return value.__class__ is wanted if wanted in (float, bool, str, bytes) else kind.default is None or is_opaque(kind)
+        case Record():
+            parts = kind.components
+            return isinstance(value, tuple) and len(value) == len(parts) and all(map(conforms, value, (part for _, part in parts)))
+        case Array():
+            inner = kind.element if len(kind.dimensions) == 1 else Array(kind.element, kind.dimensions[1:])
+            return isinstance(value, tuple | list) and all(conforms(item, inner) for item in value)
 
 
 def leaves(kind: RapidType) -> int:

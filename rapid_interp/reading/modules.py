@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import NamedTuple
 
-from rapid_interp.errors import Diagnostic
+from rapid_interp.errors import Diagnostic, diagnostic
 from rapid_interp.reading.expressions import MAX_DIAGNOSTICS, SyntaxProblem
 from rapid_interp.reading.lexer import END, NAME, PLACEHOLDER
 from rapid_interp.reading.statements import StatementParser
@@ -54,6 +54,14 @@ def parse(source: SourceText) -> Parsed:
         message = f"{dropped} more syntax error{'s' * (dropped > 1)} in this file: only the first {MAX_DIAGNOSTICS} are shown"
         found.append(replace(found[-1], code="RAPID-E009", message=message))
     return Parsed(source, modules, tuple(found))
+
+
+def parse_any(source: SourceText) -> Parsed:
+    """Gives what `parse` gives, also where the bounds of nesting together are too much for Python's stack."""
+    try:
+        return parse(source)
+    except RecursionError:
+        return Parsed(source, (), (diagnostic(source, 0, "RAPID-E006", "nested too deeply"),))
 
 
 class ModuleParser(StatementParser):

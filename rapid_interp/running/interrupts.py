@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from rapid_interp.meaning.symbols import RoutineSymbol
-    from rapid_interp.meaning.types import Value
+    from rapid_interp.meaning.types import RapidType, Value
+    from rapid_interp.running.mail import MailBox
     from rapid_interp.running.values import Reference
 
 MAX_WAITING = 30
@@ -30,6 +31,8 @@ class Interrupts:
         """INTNO: the number of the interrupt whose trap runs."""
         self.watched: dict[int, tuple[Reference, Value, bool]] = {}
         """`IPers`: data whose changes raise, with its last value."""
+        self.mail: dict[int, tuple[MailBox, RapidType, int]] = {}
+        """`IRMQMessage`: messages of a type raise, with how many of them were there when it last looked."""
         self._given = 0
         self._waiting: deque[int] = deque()
 
@@ -48,6 +51,7 @@ class Interrupts:
         """Forgets an interrupt, also where it waits."""
         self.traps.pop(number, None)
         self.watched.pop(number, None)
+        self.mail.pop(number, None)
         self.asleep.discard(number)
         self._waiting = deque(other for other in self._waiting if other != number)
 
@@ -55,8 +59,21 @@ class Interrupts:
         """Raises the interrupt when this data changes. ASSUMPTION A-43: that is seen at the next instruction with an effect."""
         self.watched[number] = data, data.get(), single
 
+    def await_mail(self, number: int, box: MailBox, kind: RapidType) -> None:
+        """Raises the interrupt for every message of this type that comes into a queue, those that wait there included."""
+        self.mail[number] = box, kind, 0
+
+    @property
+    def looks(self) -> bool:
+        """Whether there is anything that only looking can tell."""
+        return bool(self.watched or self.mail)
+
     def look(self) -> None:
-        """Raises the interrupts of watched data that has changed."""
+        """Raises the interrupts of watched data that has changed, and of messages that have come."""
+        for number, (box, kind, before_count) in list(self.mail.items()):
+            count = sum(found == kind for found in box.types())
+            self.mail[number] = box, kind, count
+            self.raise_((number,) * max(0, count - before_count))
         for number, (data, before, single) in list(self.watched.items()):
             if (value := data.get()) != before:
                 self.watched[number] = data, value, single

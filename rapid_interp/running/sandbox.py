@@ -57,6 +57,10 @@ class Sandbox:
             raise file_fault(f"{text!r} leads out of the folder given for files", "ERR_FILEACC")
         return found
 
+    def name(self, path: Path) -> str:
+        """Gives the place of a path inside the folder, the same for all ways of writing it."""
+        return path.relative_to(self.folder.resolve()).as_posix()
+
     def open(self, path: Path, mode: str) -> int:
         """Opens a file and gives its handle."""
         if len(self.files) >= MAX_OPEN:

@@ -5,7 +5,7 @@ Invariant: all state of a running program is in its task (globals, stack of rout
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator
+from collections.abc import Generator
 from typing import TYPE_CHECKING, Any
 
 from rapid_interp.effects import (
@@ -29,15 +29,21 @@ from rapid_interp.effects import (
 )
 from rapid_interp.errors import RapidError
 from rapid_interp.meaning.calls import Enter, LateCall, Perform
+from rapid_interp.meaning.predefined import DATA
 from rapid_interp.meaning.recovery import MAX_RETRIES
 from rapid_interp.meaning.symbols import FAILED, Failure, Frame, Restart, RoutineSymbol
 from rapid_interp.meaning.types import Value, fits
 from rapid_interp.running.interrupts import Interrupts
+from rapid_interp.running.mail import Mail
 from rapid_interp.running.numbers import num
 from rapid_interp.running.values import ABSENT, Fault, error_number
 
 if TYPE_CHECKING:
+    from rapid_interp.running.modules import ModuleTable
+    from rapid_interp.running.network import Network
+    from rapid_interp.running.recorder import Recorder
     from rapid_interp.running.sandbox import Sandbox
+    from rapid_interp.source import SourceText
 
 MAX_DEPTH = 1000
 """ASSUMPTION A-22: routines may call each other this deep; a controller stops when its stack memory is full."""
@@ -45,6 +51,9 @@ MAX_STEPS = 1_000_000
 """Steps without time passing (a statement is one to three steps) after which a loop counts as endless."""
 MAX_STACK_ELEMENTS = 4_000_000
 """Elements of the arrays of all running routines together; more fills the memory of a controller too."""
+
+
+LOAD0: Value = DATA["load0"][2]
 
 
 class _Restarted(Exception):  # noqa: N818 - control flow
@@ -59,14 +68,13 @@ Stack = list[tuple[RoutineSymbol, Frame, int, int | None]]
 
 
 class Stepper:
-    """Runs one routine and all that it calls. `find` gives the routine of a late-bound call by name and calling module."""
+    """Runs one routine and all that it calls."""
 
-    def __init__(
-        self, globals_: list[Value], entry: RoutineSymbol, find: Callable[[str, str], RoutineSymbol | None], max_steps: int
-    ) -> None:
+    def __init__(self, globals_: list[Value], entry: RoutineSymbol, modules: ModuleTable, max_steps: int) -> None:
         self.globals = globals_
         self.entry = entry
-        self.find = find
+        self.modules = modules
+        self.find = modules.find
         self.max_steps = max_steps
         self.reply_slot = 0
         self.error_number = 0.0
@@ -78,6 +86,20 @@ class Stepper:
         self.booked_errors = 0
         self.files: Sandbox | None = None
         self.random_state = 1
+        self.zones = 0
+        self.network: Network | None = None
+        self.socket_states: dict[int, float] = {}
+        self.mail = Mail()
+        self.load: Value = LOAD0
+        self.units: dict[str, bool] = {}
+        self.stopped_motion = False
+        self.stored_paths = 0
+        self.text_tables: dict[str, dict[int, str]] = {}
+        self.recorder: Recorder | None = None
+        self.guidance: set[int] = set()
+        self.corrections: dict[float, Value] = {}
+        self.loading: list[SourceText | None] = []
+        self.searched: list[tuple[str, str]] = []
         self._left = max_steps
         self._depth = 0
         self._elements = 0
@@ -140,8 +162,10 @@ class Stepper:
                                 if result.slot is not None:
                                     frame[result.slot] = done.value
                                 break
+                            if self.recorder is not None:
+                                self.recorder.note(effect)
                             reply = yield effect
-                            if self.interrupts.watched:
+                            if self.interrupts.looks:
                                 reply = self._noticed(reply)
                             if reply.__class__ is Interrupted:
                                 self._left = left
@@ -154,7 +178,7 @@ class Stepper:
                     else:
                         waiting = self.reply_slot
                         reply = yield result
-                        if self.interrupts.watched:
+                        if self.interrupts.looks:
                             reply = self._noticed(reply)
                         if reply.__class__ is Interrupted:
                             self._left = left

@@ -61,6 +61,10 @@ class Reference:
         """Gives the value as it lies there; an array may be a list. For reading elements only."""
         return self.get()
 
+    def origin(self) -> Reference:
+        """Gives the reference to the whole data that this is a part of."""
+        return self
+
     def put_element(self, places: tuple[int, ...], value: Value) -> None:
         """Changes an element of an array by its 0-based places."""
         self.put(replaced(self.get(), places, value))
@@ -69,32 +73,32 @@ class Reference:
 class SlotReference(Reference):
     """A slot of a frame or of the globals."""
 
-    __slots__ = ("_slot", "_slots")
+    __slots__ = ("slot", "slots")
 
     def __init__(self, slots: list[Value], slot: int) -> None:
-        self._slots = slots
-        self._slot = slot
+        self.slots = slots
+        self.slot = slot
 
     def get(self) -> Value:
         """Gives the value."""
-        value = self._slots[self._slot]
+        value = self.slots[self.slot]
         if value.__class__ is list:
-            value = self._slots[self._slot] = frozen(value)
+            value = self.slots[self.slot] = frozen(value)
         return value
 
     def put(self, value: Value) -> None:
         """Changes the value."""
-        self._slots[self._slot] = value
+        self.slots[self.slot] = value
 
     def raw(self) -> Value:
         """Gives the value as it lies there."""
-        return self._slots[self._slot]
+        return self.slots[self.slot]
 
     def put_element(self, places: tuple[int, ...], value: Value) -> None:
         """Changes an element in place: the array becomes a list that only this slot has."""
-        array = self._slots[self._slot]
+        array = self.slots[self.slot]
         if array.__class__ is not list:
-            array = self._slots[self._slot] = list(array)
+            array = self.slots[self.slot] = list(array)
         for place in places[:-1]:
             inner = array[place]
             if inner.__class__ is not list:
@@ -111,6 +115,10 @@ class ElementReference(Reference):
     def __init__(self, whole: Reference, places: tuple[int, ...]) -> None:
         self._whole = whole
         self._places = places
+
+    def origin(self) -> Reference:
+        """Gives the reference to the whole data that this is a part of."""
+        return self._whole.origin()
 
     def get(self) -> Value:
         """Gives the value."""
@@ -132,6 +140,10 @@ class PartReference(Reference):
     def __init__(self, whole: Reference, place: int) -> None:
         self._whole = whole
         self._place = place
+
+    def origin(self) -> Reference:
+        """Gives the reference to the whole data that this is a part of."""
+        return self._whole.origin()
 
     def get(self) -> Value:
         """Gives the value."""

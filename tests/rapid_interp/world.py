@@ -127,6 +127,16 @@ class World:
                 if effect.target.trans.z > 1000:
                     return fx.Failed("ERR_ROBLIMIT", "the target is out of reach")
                 return JointTarget(RobJoint(effect.target.trans.x))
+            case fx.ReadSpeedOverride():
+                return 100.0
+            case fx.ReadSystem():
+                return f"a {effect.what}"
+            case fx.ReadGuidanceState():
+                return 1.0
+            case fx.ReadEvent():
+                return fx.Event(1, 10, 3, "title", ("one", "two"))
+            case fx.AskOperator() if not self.answers:
+                return fx.Failed("ERR_TP_MAXTIME", "nobody answered")
             case fx.AskOperator():
                 answer = self.answers.pop(0)
                 return answer if effect.wants == "text" else float(answer)

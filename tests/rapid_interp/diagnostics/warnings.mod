@@ -6,9 +6,11 @@ MODULE warnings
     VAR robtarget p;
     VAR num n;
     SingArea\Wrist;
-    MoveExtJ j1, v10, fine; ! ### "warning: not executed yet: MoveExtJ [RAPID-W201]"
-    p := MirPos(p, w); ! ### "not executed yet: MirPos"
-    SocketCreate link; ! ### "warning: not carried out: SocketCreate: a program run here has no network [RAPID-W203]"
+    UIShow "anything"; ! ### "warning: read but not executed: UIShow: it shows something to the operator; --lenient leaves it out [RAPID-W201]"
+    n := ReadMotor(1); ! ### "not carried out: ReadMotor: drives and loads are not measured in simulation"
+    SocketCreate link; ! ### "warning: SocketCreate: it is carried out only if the caller gives the program a network"
+    IF SocketGetStatus(link) = SOCKET_CLOSED n := 1; ! ### "only if the caller gives the program a network"
+    ArcL p, v10, seam1, weld1, weave1, fine, tool0; ! ### "not carried out: ArcL: an application package"
     SearchL di1, p, p, v10, tool0; ! ### "warning: not carried out: SearchL: it is not simulated: there is no sensor"
     CONNECT alarm WITH ring;
     CONNECT alarm WITH rung; ! ### "unknown trap 'rung'; did you mean 'ring'?"
@@ -18,7 +20,7 @@ MODULE warnings
     IF ERRNO = ERR_WAIT_MAXTIME n := 1;
     IF diStart = 1 AND start_button = 1 n := 1;
     WaitDI start_button, 1;
-    SpyStart "log"; ! ### "warning: not executed yet: SpyStart"
+    SpyStart "log"; ! ### "warning: read but not executed: SpyStart"
     RAISE 5;
     RAISE; ! ### "nothing comes here" ### "RAISE without an error number belongs into an error handler"
     RETRY; ! ### "nothing comes here" ### "RETRY belongs into an error handler [RAPID-E132]"
