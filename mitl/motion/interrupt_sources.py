@@ -9,7 +9,7 @@ import math
 from dataclasses import dataclass
 from typing import assert_never
 
-from rapid_interp.effects import AnalogCondition, Elapsed, SignalChange, Source, Subscribe
+from rapid_interp.effects import AnalogCondition, Elapsed, EventLogged, SignalChange, Source, Subscribe
 
 
 @dataclass(eq=False)
@@ -36,7 +36,7 @@ class InterruptSources:
     @property
     def signals(self) -> set[str]:
         """Gives the names, in lower case, of the signals whose changes may raise an interrupt."""
-        return {other.source.name.lower() for other in self._subscriptions if not isinstance(other.source, Elapsed)}
+        return {other.source.name.lower() for other in self._subscriptions if not isinstance(other.source, Elapsed | EventLogged)}
 
     def subscribe(self, effect: Subscribe, now: float) -> None:
         """Begins to raise an interrupt when its source says so."""
@@ -71,7 +71,7 @@ class InterruptSources:
                     if source.name.lower() == name and _fulfils(source, before, value, subscription.last):
                         subscription.last = value
                         self._raise(subscription)
-                case Elapsed():
+                case Elapsed() | EventLogged():  # the simulated controller logs no events
                     pass
                 case _:
                     assert_never(source)

@@ -180,6 +180,14 @@ class TaskRun:
                 return self._stopping(effect, now)
             case effects.Resume():
                 raise refusal(effect, "nothing was interrupted")
+            case effects.SuperviseZone() | effects.SwitchZone() | effects.FreeZone() | effects.MoveUnits() | effects.CorrectPath():
+                raise refusal(effect, f"{type(effect).__name__} is not supported by this controller")
+            case effects.SetUpGuidance() | effects.ActivateGuidance() | effects.RunGuidance() | effects.StopGuidance():
+                raise refusal(effect, "externally guided motion is not supported by this controller")
+            case effects.StreamPositions() | effects.GuidedMove() | effects.ReadGuidanceState():
+                raise refusal(effect, "externally guided motion is not supported by this controller")
+            case effects.ReadSpeedOverride() | effects.ReadSystem() | effects.ReadEvent():
+                raise refusal(effect, f"{type(effect).__name__} is not supported by this controller")
             case _:
                 return self._motion_changed(effect, now)
 
