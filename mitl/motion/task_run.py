@@ -80,6 +80,7 @@ class TaskRun:
         self._last: Queued | None = None
         self._set: dict[str, float] = {}
         self._reads = 0
+        self._read_at = now
 
     def next_event(self) -> float:
         """Gives the time in s at which the program goes on; inf when it has ended or stopped by itself."""
@@ -273,8 +274,9 @@ class TaskRun:
         self._cell.signals.put(effect.name, effect.value, time, effect.delay)
 
     def _reading(self, now: float, reply: Callable[[float], effects.Reply]) -> Waiting:
-        self._reads += 1
-        if self._reads % _READS_PER_TICK == 0:
+        self._reads = self._reads + 1 if now == self._read_at else 1
+        self._read_at = now
+        if self._reads >= _READS_PER_TICK:
             return Waiting(since=now, event=self._here(now), seconds=TICK, reply=reply)
         return Waiting(since=now, event=self._here(now), reply=reply)
 

@@ -42,7 +42,15 @@ def trigger_time(chain: Chain, index: int, trigger: Trigger) -> float:
 
 def release_time(chain: Chain, index: int) -> float:
     """Gives the time in s on the chain at which the program goes on past the fly-by point at the end of its move number `index`."""
-    return _passed(chain, float(chain.path.zone_begins()[index + 1])) - PREFETCH
+    return zone_time(chain, index) - PREFETCH
+
+
+def zone_time(chain: Chain, index: int) -> float:
+    """Gives the time in s on the chain at which the zone at the end of its move number `index` begins, or would with a move behind it."""
+    move = chain.moves[index]
+    if index < len(chain.moves) - 1 or move.fine:
+        return _passed(chain, float(chain.path.zone_begins()[index + 1]))
+    return _passed(chain, chain.path.coordinate(index, move.leg.travel - min(move.zone.radius, move.leg.travel / 2)))
 
 
 def passed_time(chain: Chain, index: int) -> float:
