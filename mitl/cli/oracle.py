@@ -32,6 +32,7 @@ _SUFFIXES = (".csv", ".mcap")
 @click.option("--routine", default="main", show_default=True, help="Procedure to run.")
 @click.option("--set", "presets", multiple=True, metavar="VAR=VALUE", help="Set RAPID data before the start, e.g. --set option=3.")
 @click.option("--input", "inputs", multiple=True, metavar="SIGNAL=VALUE@SECONDS", help="Give an input signal a value from a time on.")
+@click.option("--answer", "answers", multiple=True, metavar="TEXT", help="What the operator answers; once for every question, in order.")
 @click.option("--robot", default="irb140", show_default=True, help="Robot model.")
 @click.option("--rate", type=click.FloatRange(min=0, min_open=True), default=250.0, show_default=True, help="Samples per second, exact.")
 @click.option("--frame", type=click.Choice(("world", "wobj", "base")), default="world", show_default=True, help="Frame of the path.")
@@ -53,6 +54,7 @@ def oracle_command(
     routine: str,
     presets: tuple[str, ...],
     inputs: tuple[str, ...],
+    answers: tuple[str, ...],
     robot: str,
     rate: float,
     frame: str,
@@ -86,7 +88,7 @@ def oracle_command(
     model = load_robot_model(robot)
     try:
         with Progress("computing the path") as progress:
-            run, samples = _computed(sources, routine, assignments, changes, model, rate, frame, view, max_time, progress)
+            run, samples = _computed(sources, routine, assignments, changes, answers, model, rate, frame, view, max_time, progress)
             if output is not None:
                 names = " ".join(source.name for source in sources)
                 _write(output, run, samples, {"robot": model.name, "routine": routine, "view": view, "frame": frame, "sources": names})
@@ -97,6 +99,9 @@ def oracle_command(
     _print_summary(run, view, max_time)
     if output is not None:
         click.echo(f"{output}: {len(samples.path)} samples", err=True)
+    if run.stopped_at is not None:
+        at = run.stopped_at
+        click.echo(f"mitl oracle: {at.file}:{at.line}: Stop ended the run here; what comes after it was not executed", err=True)
     if not run.finished:
         click.echo(f"mitl oracle: cut off at --max-time {max_time:g} s while the program was still running", err=True)
 
@@ -106,6 +111,7 @@ def _computed(
     routine: str,
     assignments: list[tuple[str, str]],
     changes: list[InputChange],
+    answers: tuple[str, ...],
     model: RobotModel,
     rate: float,
     frame: str,
@@ -120,6 +126,7 @@ def _computed(
 
     import rapid_interp  # noqa: PLC0415 - see above
     from mitl.errors import MotionError, UsageError  # noqa: PLC0415 - see above
+    from mitl.motion.loop_watch import MOST, LoopWatch  # noqa: PLC0415 - see above
     from mitl.motion.offline import Frame, duration_of, run_until, sample, start_run  # noqa: PLC0415 - see above
     from mitl.motion.record import View  # noqa: PLC0415 - see above
     from rapid_interp import RapidError  # noqa: PLC0415 - see above
@@ -134,8 +141,14 @@ def _computed(
             task.set(name, value)
         except RapidError as error:
             raise UsageError(f"--set {name}={value}: {error.message}") from error
-    run = start_run(task.run(), model, inputs=changes)
-    run_until(run, _LONGEST if max_time is None else max_time, progress=lambda now: progress.at(f"{now:.1f} s of the robot's time"))
+    run = start_run(task.run(), model, inputs=changes, answers=answers)
+    watch = LoopWatch(run)
+    longest, done = (_LONGEST, watch) if max_time is None else (max_time, lambda _: False)
+    run_until(run, longest, done, progress=lambda now: progress.at(f"{now:.1f} s of the robot's time"))
+    if watch.endless is not None:
+        at = watch.endless.at
+        reason = f"endless loop: this move was made more than {MOST} times; cut the program off with --max-time"
+        raise MotionError(reason, module=at.module, line=at.line, file=at.file, column=at.column)
     if not run.finished and max_time is None and run.at is not None:
         reason = f"the program is still running after {_LONGEST:g} s of the robot's time; cut it off with --max-time"
         raise MotionError(reason, module=run.at.module, line=run.at.line, file=run.at.file, column=run.at.column)

@@ -14,6 +14,7 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from mitl.motion import bridge
+from mitl.motion.answers import Desk
 from mitl.motion.chain import Planner
 from mitl.motion.kinematics import Arm
 from mitl.motion.path import IndexArray
@@ -51,9 +52,14 @@ def start_run(
     *,
     inputs: Sequence[InputChange] = (),
     planner: Planner | None = None,
+    answers: Sequence[str] = (),
 ) -> ProgramRun:
-    """Gives a program run from the robot's rest position at time 0, not yet begun. planner: another than the model's ordinary one."""
-    return ProgramRun(generator, planner or Planner(model), MotionRecord(model, joints_home()), inputs=inputs)
+    """Gives a program run from the robot's rest position at time 0, not yet begun.
+
+    planner: another than the model's ordinary one. answers: what the operator will answer, in order.
+    """
+    desk = Desk(answers=list(answers))
+    return ProgramRun(generator, planner or Planner(model), MotionRecord(model, joints_home()), inputs=inputs, desk=desk)
 
 
 def run_until(

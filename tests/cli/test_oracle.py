@@ -175,6 +175,31 @@ def test_max_time_cuts_an_endless_program_off(tmp_path, monkeypatch, capsys):
     assert "cut off" in capsys.readouterr().err
 
 
+def test_an_endless_loop_of_moves_is_told_without_waiting_for_its_time(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    loop = "MODULE L\n  PROC main()\n    WHILE TRUE DO\n      MoveAbsJ [[{},0,0,0,30,0],[9E9,9E9,9E9,9E9,9E9,9E9]], v1000, z10, tool0;\n"
+    loop += "      MoveAbsJ [[2,0,0,0,30,0],[9E9,9E9,9E9,9E9,9E9,9E9]], v1000, fine, tool0;\n    ENDWHILE\n  ENDPROC\nENDMODULE\n"
+    Path("loop.mod").write_text(loop.replace("{}", "5"), encoding="utf-8")
+    assert run(["oracle", "loop.mod"]) == 1
+    said = capsys.readouterr().err
+    assert "loop.mod:4:" in said
+    assert "--max-time" in said
+    assert run(["oracle", "loop.mod", "--max-time", "5"]) == 0
+
+
+def test_stop_is_told_and_the_operator_answers(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    lines = ["MODULE S", "  VAR num k;", "  PROC main()", '    TPReadNum k, "how many";', r'    TPWrite "k " \Num:=k;', "    Stop;"]
+    Path("stop.mod").write_text("\n".join([*lines, '    TPWrite "after";', "  ENDPROC", "ENDMODULE", ""]), encoding="utf-8")
+    assert run(["oracle", "stop.mod", "--answer", "4"]) == 0
+    told = capsys.readouterr()
+    assert "k 4" in told.out
+    assert "after" not in told.out
+    assert "stop.mod:6: Stop ended the run here" in told.err
+    assert run(["oracle", "stop.mod"]) == 1
+    assert "--answer" in capsys.readouterr().err
+
+
 BAD = {
     "out of reach": ("Offs(p0,100,0,deep), v200, z50", "Offs(p0,900,0,deep), v200, z50", 9),
     "axis 2": ("[[10,10,10,0,60,0]", "[[10,120,10,0,60,0]", 17),
