@@ -51,6 +51,8 @@ class MotionQueue:
         self.planner = planner
         self.record = record
         self.speed_ratio = 1.0
+        self.refreshed = 1.0
+        """SpeedRefresh: a share of the speeds beside the operator's ratio, for what is planned from then on."""
         self.programmed = record.joints_planned_last
         self.held = False
         self._told = told
@@ -175,7 +177,7 @@ class MotionQueue:
 
     def regain(self, plan: PlannedMove, now: float) -> None:
         """Schedules a move back to where a stopped motion goes on."""
-        chain = self.planner.plan_chain([plan], speed_ratio=self.speed_ratio)
+        chain = self.planner.plan_chain([plan], speed_ratio=self.speed_ratio * self.refreshed)
         self._schedule(Segment(max(now + self.planner.model.start_latency, self._free), chain, (Queued(plan),)), now)
 
     def clear(self) -> None:
@@ -227,7 +229,7 @@ class MotionQueue:
             else:
                 time, index, begin = taken_over(former, time)
             moves = (*former.moves[index:], *group)
-            chain = self.planner.plan_chain([queued.plan for queued in moves], speed_ratio=self.speed_ratio, start=begin)
+            chain = self.planner.plan_chain([queued.plan for queued in moves], speed_ratio=self.speed_ratio * self.refreshed, start=begin)
         except CannotGoOnError as error:
             self._fails_corner(now, former, str(error))
             return None
@@ -241,7 +243,7 @@ class MotionQueue:
         rest, self._rest = self._rest, None
         moves = (*(rest.lead if rest else ()), *group)
         begin = rest.begin if rest else None
-        chain = self.planner.plan_chain([queued.plan for queued in moves], speed_ratio=self.speed_ratio, start=begin)
+        chain = self.planner.plan_chain([queued.plan for queued in moves], speed_ratio=self.speed_ratio * self.refreshed, start=begin)
         at_once = abs(now - self._goes_on) < _SAME  # told as soon as it could be: the pause holds all that a start takes
         start = now + (self.record.half_filter if at_once else self.planner.model.start_latency)
         return Segment(max(start, self._free), chain, moves, begin)

@@ -98,6 +98,10 @@ class RobotEffects:
                 most = (math.inf if limit is None else limit for limit in (effect.acceleration, effect.deceleration))
                 acceleration, deceleration = most
                 self._dynamics = replace(self._dynamics, path_acceleration=acceleration, path_deceleration=deceleration)
+            case effects.RefreshSpeed():
+                self.motion.refreshed = effect.override / 100
+                if self.motion.standing_from() > now:
+                    self._warn(now, "SpeedRefresh", "SpeedRefresh is for moves planned from now on: the motion under way keeps its speed")
             case effects.LimitWorldAcceleration():
                 if effect.acceleration is not None:
                     raise refusal(effect, "a limit of acceleration in the world (WorldAccLim \\On) is not simulated; PathAccLim is")

@@ -102,6 +102,12 @@ def test_velset_slows_and_limits_the_moves_after_it(told):
         assert speed.max() == pytest.approx(fastest, rel=1e-5)
 
 
+def test_speedrefresh_holds_for_the_moves_after_it(told):
+    _, run = told(START, "SpeedRefresh 25;", END)
+    speed = run.record.planned_tcp(np.linspace(run.record.moves[1].begins, run.record.end, 2000))[2]
+    assert speed.max() == pytest.approx(0.05, rel=1e-5)
+
+
 def test_accset_and_pathacclim_go_with_the_moves(told):
     _, run = told(START, "AccSet 50,60;", r"PathAccLim TRUE\AccMax:=2,TRUE\DecelMax:=1;", END)
     before, after = (executed.move.dynamics for executed in run.record.moves)
