@@ -11,12 +11,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mitl.errors import MitlError
-from mitl.motion.cells import Cells
-from mitl.motion.limits import Grid, cells_of, cut
+from mitl.motion.grid import Grid, cut
+from mitl.motion.limits import Limits, limits_of
 from mitl.motion.moves import MovePlanner, PlannedMove
 from mitl.motion.orientation import OrientationLaw, evenly
-from mitl.motion.pace import Pace
+from mitl.motion.pace import fastest
 from mitl.motion.path import Corner, IndexArray, Path
 from mitl.motion.refusals import beyond, place, refusal
 from mitl.motion.robot_model import RobotModel
@@ -29,16 +28,10 @@ _SLOWEST_SHARE = 2e-3
 """A path that must be slower than this share of its programmed speed leads through a singularity."""
 _LONGEST = 4 * 3600.0
 """Moves without a stop that take longer (s) are taken for a wrong speed, and not sampled."""
-_MOST_TIGHTENINGS = 40
-_SLOWER = 0.999
-_ROUNDED = 5e-4
-"""Share by which a cap may differ from one plan to the next of the same stretch; the margin is far wider."""
-_FULL = 1.001
-"""Strain of a joint, as a share of its acceleration limit less the margin, that counts as within it; the margin is ten times wider."""
 _MOSTLY_TURNING = 100.0
 """A leg whose coordinate is this many times its TCP's way counts as pure reorientation: it has no zone. ASSUMPTION A-02."""
 _KINK = 1e-2
-"""Share of change in dq/ds between two neighbouring cells' middles that still counts as smooth."""
+"""Share of change in dq/ds from one leg to the next that still counts as smooth."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,19 +73,11 @@ class Chain:
 
 @dataclass(frozen=True)
 class Start:
-    """Where and how fast a chain begins on its way: m of path from the beginning of leg number `leg`, m/s, no acceleration.
-
-    ahead: distances in m from there at which the plan so far ran without acceleration, and its speeds in m/s there: it may do so again.
-    """
+    """Where and how fast a chain begins on its way: m of path from the beginning of leg number `leg`, m/s."""
 
     position: float
     speed: float
     leg: int = 0
-    ahead: tuple[tuple[float, float], ...] = ()
-
-
-class StartTooFastError(MitlError):
-    """A chain that begins on its way would have to be slower there than it is; the plan so far, to a stop, still holds."""
 
 
 class Planner:
@@ -107,80 +92,56 @@ class Planner:
         """Gives the leg of one instruction that begins at joints q_start (6,) rad. Raises MotionError where it cannot be moved as told."""
         return self._moves.plan(effect, q_start, settings)
 
-    def plan_chain(self, moves: Sequence[PlannedMove], *, speed_ratio: float = 1.0, start: Start | None = None) -> Chain:
+    def plan_chain(
+        self, moves: Sequence[PlannedMove], *, speed_ratio: float = 1.0, start: Start | None = None, going_on: bool = False
+    ) -> Chain:
         """Gives the timed chain of moves, to rest, from rest at its beginning or from `start` on its way.
 
-        Raises MotionError where a corner cannot be passed, StartTooFastError where `start` leaves no way to go on.
+        going_on: more moves will follow, so the plan ends where the last corner is left: from any instant of it a plan of more moves can
+        go on without a seam, whatever they are. Raises MotionError where a corner cannot be passed, StartTooFastError where `start`
+        leaves no way to go on.
         """
         path = Path(self.arm, [move.leg for move in moves], [_fitted(*pair) for pair in itertools.pairwise(moves)])
         if path.length == 0:
             return Chain(tuple(moves), path, standing(0.0))
-        grid = cut(path)
+        grid = cut(path, np.array([move.fastest for move in moves]), self.model)
         self._refuse_unreachable(moves, grid)
-        cells = cells_of(path, grid, [move.speed for move in moves], self.model, speed_ratio)
-        self._refuse_singular(moves, grid, cells)
-        stops = grid.edges[_kinks(grid)]
-        begin = Start(0.0, 0.0) if start is None else Start(path.leg_ends()[start.leg] + start.position, start.speed, start.leg)
-        timing = self._timing(_passable(cells.after(begin.position), begin.speed), begin, stops)
+        limits = limits_of(path, grid, [move.speed for move in moves], [move.dynamics for move in moves], self.model, speed_ratio)
+        self._refuse_singular(moves, grid, limits)
+        position = 0.0 if start is None else float(path.leg_ends()[start.leg]) + start.position
+        end = int(np.searchsorted(grid.nodes, path.zone_ends()[-2] - 1e-9)) if going_on else None
+        timing = fastest(limits, _kinks(grid).tolist(), position, 0.0 if start is None else start.speed, end)
         if timing.duration > _LONGEST:
             slowest = moves[int(np.argmax(np.diff(timing.times_at(path.leg_ends()))))]
             raise refusal(slowest.effect, f"the moves up to the next stop would take {timing.duration:.3g} s, more than {_LONGEST:g} s")
-        if timing.speed[0] < begin.speed * (1 - 1e-9):
-            raise StartTooFastError(f"{begin.speed:.6g} m/s at the start, at most {timing.speed[0]:.6g} m/s is possible")
         return Chain(tuple(moves), path, timing)
 
     def _refuse_unreachable(self, moves: Sequence[PlannedMove], grid: Grid) -> None:
-        joints = grid.middle.joints
-        lost: BoolArray = np.asarray(np.isnan(joints).any(axis=1))
+        lost: BoolArray = np.asarray(np.isnan(grid.joints).any(axis=(1, 2)))
         least, most = grid.extremes()
         low, high = least < self.model.lower - 1e-9, most > self.model.upper + 1e-9
         outside: BoolArray = np.asarray(~lost & (low | high).any(axis=1))
         for bad in np.flatnonzero(lost | outside):
             effect = moves[int(grid.leg[bad])].effect
             furthest = np.where(low[bad], least[bad], most[bad])
-            raise refusal(effect, f"out of reach at {place(grid.middle.position[bad])}" if lost[bad] else beyond(self.model, furthest))
+            raise refusal(effect, f"out of reach at {place(grid.sample.position[bad])}" if lost[bad] else beyond(self.model, furthest))
 
-    def _refuse_singular(self, moves: Sequence[PlannedMove], grid: Grid, cells: Cells) -> None:
+    def _refuse_singular(self, moves: Sequence[PlannedMove], grid: Grid, limits: Limits) -> None:
+        cap = np.sqrt(np.minimum(limits.ceiling[:-1], limits.ceiling[1:]))
         for index, move in enumerate(moves):
             here = np.flatnonzero(grid.leg == index)
-            caps = cells.cap[here]
-            if len(here) and np.median(caps) * _SLOWEST_SHARE > caps.min() and grid.zone[here[int(np.argmin(caps))]] < 0:
-                slowest = here[int(np.argmin(caps))]
-                axis = int(np.argmax(np.abs(grid.rate[slowest]) / self.model.speed))
-                near, axis_5 = place(grid.middle.position[slowest]), np.degrees(grid.middle.joints[slowest][4])
+            if len(here) and np.median(cap[here]) * _SLOWEST_SHARE > cap[here].min() and grid.zone[here[int(np.argmin(cap[here]))]] < 0:
+                slowest = here[int(np.argmin(cap[here]))]
+                axis = int(np.argmax(np.abs(grid.rate[slowest]).max(axis=0) / self.model.speed))
+                near, axis_5 = place(grid.sample.position[slowest]), np.degrees(grid.sample.joints[slowest][4])
                 raise refusal(move.effect, f"singularity: axis {axis + 1} cannot follow near {near} (axis 5 at {axis_5:.2f} deg)")
-
-    def _timing(self, cells: Cells, start: Start, stops: FloatArray) -> Timing:
-        """Gives the timing with caps lowered until no joint's acceleration limit is broken anywhere."""
-        edges = [int(np.searchsorted(cells.edges, stop)) for stop in stops if stop > cells.edges[0] + 1e-9]
-        if len(cells) == 0:
-            return standing(float(cells.edges[0]))
-        knots = {int(np.argmin(np.abs(cells.edges - (cells.edges[0] + way)))): speed for way, speed in start.ahead}
-        pace = Pace(cells, self.model.acceleration_window, speed_at_start=start.speed, stops=edges, knots=knots)
-        for _ in range(_MOST_TIGHTENINGS):
-            timing = pace.timing()
-            strain, speed = cells.strain(timing)
-            if strain.max(initial=0.0) <= _FULL:
-                break
-            cap = np.minimum(cells.cap, _SLOWER * speed / np.sqrt(np.maximum(strain, 1.0)))
-            # Where a chain begins on its way its speed is given: only the acceleration can be less.
-            given = (cap < start.speed) & (cells.middle - cells.edges[0] < start.speed * self.model.acceleration_window)
-            cells = replace(cells, cap=np.where(given, cells.cap, cap), ceiling=np.where(given, 0.5 * cells.ceiling, cells.ceiling))
-            pace.change(cells)
-        return timing
-
-
-def _passable(cells: Cells, speed: float) -> Cells:
-    """Gives cells whose caps do not lie under a chain's speed at its start by mere rounding."""
-    close = (cells.cap < speed) & (cells.cap >= (1 - _ROUNDED) * speed)
-    return replace(cells, cap=np.where(close, speed, cells.cap))
 
 
 def _kinks(grid: Grid) -> IndexArray:
-    """Gives the edges of cells at which two legs meet without a zone and not smoothly, so that the arm must stop there."""
+    """Gives the nodes at which two legs meet without a zone and not smoothly, so that the arm must stop there."""
     meets = np.flatnonzero((np.diff(grid.leg) != 0) & (grid.zone[:-1] < 0) & (grid.zone[1:] < 0))
-    jump = np.abs(grid.rate[meets + 1] - grid.rate[meets]).max(axis=1, initial=0.0)
-    bent = _KINK * (1.0 + np.abs(grid.rate[meets]).max(axis=1, initial=0.0))
+    jump = np.abs(grid.rate[meets + 1, 0] - grid.rate[meets, 1]).max(axis=1, initial=0.0)
+    bent = _KINK * (1.0 + np.abs(grid.rate[meets, 1]).max(axis=1, initial=0.0))
     return np.asarray(meets[jump > bent] + 1)
 
 

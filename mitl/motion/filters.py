@@ -10,6 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from mitl.motion.robot_model import RobotModel
 from mitl.paths import FloatArray
 
 
@@ -30,3 +31,15 @@ def moving_average(values: FloatArray, tick: float, widths: Sequence[float] | Fl
         change = integral(middle + width / 2) - integral(middle - width / 2)
         filtered[:, columns] = change[:, columns] / width + values[0, columns]
     return filtered
+
+
+def motor_side(model: RobotModel, arm: FloatArray, tick: float) -> FloatArray:
+    """Gives the angles (N, 6) on the motors' side of a motion's joints (N, 6) every `tick` s: ahead by elasticity times effort.
+
+    Gravity's share is left out: at rest the controller reports what was programmed.
+    """
+    if model.elasticity is None or len(arm) < 2:
+        return arm
+    spline = CubicSpline(tick * np.arange(len(arm)), arm, bc_type="natural")
+    time = tick * np.arange(len(arm))
+    return np.asarray(arm + model.effort.efforts(arm, spline(time, 1), spline(time, 2)).across @ model.elasticity.T)

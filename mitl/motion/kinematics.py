@@ -177,8 +177,11 @@ def through_wrist(q: FloatArray) -> FloatArray:
         if other:
             led[after:, 4] *= -1
         size = np.abs(led[run, 4])
-        signs = np.where(np.arange(len(size)) < np.argmin(size), 1.0, -1.0) * np.sign(led[before, 4])
+        closest = int(np.argmin(size))
+        signs = np.where(np.arange(len(size)) < closest, 1.0, -1.0) * np.sign(led[before, 4])
         axis_5 = signs * size
+        beside = np.concatenate([[led[before, 4]], axis_5, [led[after, 4]]])[[closest, closest + 2]]
+        axis_5[closest] = np.copysign(size[closest], beside.sum())  # the closest may lie on either side of 0
         share = np.clip((axis_5 - led[before, 4]) / (led[after, 4] - led[before, 4]), 0.0, 1.0)
         axis_4 = led[before, 3] + share * (led[after, 3] - led[before, 3])
         sum_4_6 = _TURN * np.round((led[before, 3] + led[before, 5] - led[run, 3] - led[run, 5]) / _TURN) + led[run, 3] + led[run, 5]

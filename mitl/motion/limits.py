@@ -1,6 +1,7 @@
-"""How fast each stretch of a path may be passed: programmed speed, joint speed and acceleration, curvature, zones.
+"""How fast each interval of a path may be passed and how hard the path may be sped up in it: programmed speed, joints, drives, zones.
 
-Invariant: passing the path under these caps, with no tangential acceleration, breaks no limit of the robot model.
+Speeds are limits on x = s'^2, drives limits linear in (s'', x): half-planes. Invariant: half-planes hold at both ends and in the
+middle of every interval, with a margin for what lies between.
 """
 
 from __future__ import annotations
@@ -10,23 +11,24 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mitl.motion.cells import Cells
-from mitl.motion.legs import CartesianLeg, JointLeg, Leg
-from mitl.motion.path import IndexArray, Path, Sample
+from mitl.motion.dynamics import Dynamics
+from mitl.motion.effort import Efforts
+from mitl.motion.grid import STATIONS, Grid
+from mitl.motion.legs import CartesianLeg, JointLeg
+from mitl.motion.path import IndexArray, Path
 from mitl.motion.robot_model import RobotModel
 from mitl.paths import BoolArray, FloatArray
 
 CONTROLLER_TICK = 4.032e-3
 """A zone lasts at least this long, in s (`facts/planner.md`, item 2)."""
-_LONGEST_CELL = 0.02
-_CELLS_IN_ZONE_PIECE = 4
-_CELLS_PER_PIECE = 4
-_MOST_CELLS = 60
-_CLOSEST_MARK = 1e-6
 _EVEN = 5e-4
 """Share by which the TCP may be faster than its leg's coordinate before its speed is capped by itself; rounding in `Path` is below it."""
 _MARGIN = 0.99
-"""Share of a joint's limit that the plan uses: in a cell its derivatives are known to third order only."""
+"""Share of a joint's limit that the plan uses: half-planes hold at nodes, and between them only nearly."""
+_LEAST_LEFT = 0.05
+"""Share of a drive's limit that gravity never takes."""
+_NO_LEVER = 1e-9
+"""Least effort per m/s^2 of path that counts; a joint that does not move along the path is given it, so that nothing is divided by 0."""
 
 
 @dataclass(frozen=True)
@@ -39,151 +41,144 @@ class LegSpeed:
 
 
 @dataclass(frozen=True, eq=False)
-class Grid:
-    """A path cut into N cells, with its derivatives at their middles.
+class HalfPlanes:
+    """What R drives leave for the path's acceleration u = s'' at S stations of N intervals: -down <= along u + across x <= up.
 
-    edges (N+1,) in s; leg (N,) of each cell; zone (N,): the corner in whose TCP zone it lies, or -1.
-    rate, bend, twist (N, 6): dq/ds, d2q/ds2, d3q/ds3. stretch (N,): TCP m per m of s;
-    curl (N,): m/m^2 of the TCP; turning (N,) rad per m of s.
+    along (not negative), across, up, down (N, S, R). ceiling (N+1,): greatest x = s'^2 at the nodes. widths (N,) m.
     """
 
-    edges: FloatArray
-    leg: IndexArray
-    zone: IndexArray
-    rate: FloatArray
-    bend: FloatArray
-    twist: FloatArray
-    stretch: FloatArray
-    curl: FloatArray
-    turning: FloatArray
-    middle: Sample
+    along: FloatArray
+    across: FloatArray
+    up: FloatArray
+    down: FloatArray
+    ceiling: FloatArray
+    widths: FloatArray
 
-    @property
-    def middles(self) -> FloatArray:
-        """Gives the middles (N,) of the cells in s."""
-        return np.asarray(0.5 * (self.edges[:-1] + self.edges[1:]))
+    def between(self, node: int, last: int, gap: float) -> HalfPlanes:
+        """Gives the half-planes from a place `gap` m before a node up to the node `last`; the interval the place lies in is cut."""
+        kept = slice(node - 1, last)
+        widths = self.widths[kept].copy()
+        widths[0] = gap
+        ceiling = self.ceiling[node - 1 : last + 1]
+        return HalfPlanes(self.along[kept], self.across[kept], self.up[kept], self.down[kept], ceiling, widths)
 
-    def extremes(self) -> tuple[FloatArray, FloatArray]:
-        """Gives the least and the greatest joint angles (N, 6) rad in the cells, to second order."""
-        half = 0.5 * np.diff(self.edges)[:, None]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            turns_at = np.nan_to_num(-self.rate / self.bend)
-        offsets = (-half, half, np.clip(turns_at, -half, half))
-        values = [self.middle.joints + away * (self.rate + 0.5 * away * self.bend) for away in offsets]
-        return np.minimum.reduce(values), np.maximum.reduce(values)
+    def even(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Gives rise, fall, lean (N, S R) for an even u in an interval with x at its begin: -fall - lean x <= u <= rise - lean x."""
+        across = self.across
+        along = self.along + 2 * self.widths[:, None, None] * STATIONS[:, None] * across  # x grows by 2 u a metre
+        forwards = along >= 0
+        lever = np.maximum(np.abs(along), _NO_LEVER)
+        rise, fall = np.where(forwards, self.up, self.down) / lever, np.where(forwards, self.down, self.up) / lever
+        lean = np.where(forwards, across, -across) / lever
+        count = len(self.widths)
+        return rise.reshape(count, -1), fall.reshape(count, -1), lean.reshape(count, -1)
 
-
-def cut(path: Path) -> Grid:
-    """Gives the path cut into cells that resolve its zones, with derivatives by central differences."""
-    pieces = path.pieces()
-    edges = pieces.edges
-    in_zone = _CELLS_IN_ZONE_PIECE * np.ceil(1 + 1.5 * np.append(path.unevenness(), 0.0)[pieces.zone])
-    counts = np.where(pieces.zone >= 0, in_zone, np.clip(np.ceil(np.diff(edges) / _LONGEST_CELL), _CELLS_PER_PIECE, _MOST_CELLS)).astype(
-        int
-    )
-    fine_edges = np.concatenate(
-        [np.linspace(low, high, n, endpoint=False) for low, high, n in zip(edges[:-1], edges[1:], counts, strict=True)]
-    )
-    fine_edges = _with(np.append(fine_edges, edges[-1]), path.close_marks())
-    widths = np.diff(fine_edges)
-    middles = 0.5 * (fine_edges[:-1] + fine_edges[1:])
-    piece = np.clip(np.searchsorted(edges, middles, side="right") - 1, 0, len(counts) - 1)
-    h = np.minimum(0.45 * widths, 2e-4)
-    asked = np.stack([middles - h, middles, middles + h], axis=1).ravel()
-    sample = path.sample(asked)
-    q = sample.joints.reshape(-1, 3, 6)
-    p = sample.position.reshape(-1, 3, 3)
-    turn = (sample.rotation[0::3].inv() * sample.rotation[2::3]).magnitude()
-    bend = (q[:, 2] - 2 * q[:, 1] + q[:, 0]) / (h**2)[:, None]
-    return Grid(
-        edges=fine_edges,
-        leg=pieces.leg[piece],
-        zone=pieces.zone[piece],
-        rate=(q[:, 2] - q[:, 0]) / (2 * h)[:, None],
-        bend=bend,
-        twist=_slopes(bend, middles, piece),
-        stretch=np.linalg.norm(p[:, 2] - p[:, 0], axis=1) / (2 * h),
-        curl=np.linalg.norm(p[:, 2] - 2 * p[:, 1] + p[:, 0], axis=1) / h**2,
-        turning=turn / (2 * h),
-        middle=Sample(p[:, 1], sample.rotation[1::3], q[:, 1], sample.leg[1::3]),
-    )
+    def anywhere(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Gives the greatest and the least u (N,) that are allowed at all stations of every interval with x (N,)."""
+        lever = np.maximum(self.along, _NO_LEVER)
+        used = self.across * x[:, None, None]
+        return np.asarray(((self.up - used) / lever).min(axis=(1, 2))), np.asarray(((-self.down - used) / lever).max(axis=(1, 2)))
 
 
-def cells_of(path: Path, grid: Grid, speeds: Sequence[LegSpeed], model: RobotModel, speed_ratio: float = 1.0) -> Cells:
-    """Gives the cells with their caps; `speed_ratio` scales the programmed speeds."""
-    piece = np.flatnonzero(np.diff(grid.leg, prepend=-1) | np.diff(grid.zone, prepend=-2))
-    half = 0.5 * np.diff(grid.edges)
-    slope = _slopes(grid.stretch[:, None], grid.middles, np.searchsorted(piece, np.arange(len(grid.leg)), side="right"))[:, 0]
-    fastest = np.maximum(grid.stretch + half * np.abs(slope), 1e-9)
-    programmed = np.empty(len(grid.leg))
-    ceiling = np.empty(len(grid.leg))
-    for index, (leg, speed) in enumerate(zip(path.legs, speeds, strict=True)):
+@dataclass(frozen=True, eq=False)
+class Limits:
+    """The limits of a path on a grid of N intervals, but for how drives weaken with speed.
+
+    ceiling (N+1,): greatest x by programmed speed, joint speeds and ticks. effort: at the stations, (N, S, 6) each. share (N,) of drives
+    to be used; rise, fall (N,): most m/s^2 along the path by PathAccLim, in m of path.
+    """
+
+    grid: Grid
+    model: RobotModel
+    ceiling: FloatArray
+    effort: Efforts
+    share: FloatArray
+    rise: FloatArray
+    fall: FloatArray
+
+    def half_planes(self, x: FloatArray) -> HalfPlanes:
+        """Gives the half-planes where the drives give what they can at x (M+1,), of the first M intervals."""
+        x = np.append(x, np.full(len(self.ceiling) - len(x), x[-1]))
+        grid = self.grid
+        between = x[:-1, None] + STATIONS * (x[1:] - x[:-1])[:, None]
+        speeds = np.abs(grid.rate) * np.sqrt(between)[:, :, None] / self.model.speed
+        given = _MARGIN * self.model.effort.available(speeds.reshape(-1, 6)).reshape(speeds.shape)
+        least = _LEAST_LEFT * given
+        up = self.share[:, None, None] * np.maximum(given - self.effort.resting, least)
+        down = self.share[:, None, None] * np.maximum(given + self.effort.resting, least)
+        along, across = np.abs(self.effort.along), self.effort.across
+        backwards = self.effort.along < 0
+        up, down, across = np.where(backwards, down, up), np.where(backwards, up, down), np.where(backwards, -across, across)
+        with np.errstate(divide="ignore"):
+            level = (np.where(across > 0, up, down) / np.abs(across)).min(axis=(1, 2))
+        if np.isfinite(self.rise).any() or np.isfinite(self.fall).any():  # one more drive that knows nothing of joints
+            wide = (*along.shape[:2], 1)
+            along, across = np.concatenate([along, np.ones(wide)], axis=2), np.concatenate([across, np.zeros(wide)], axis=2)
+            most, least_of_all = (np.broadcast_to(values[:, None, None], wide) for values in (self.rise, self.fall))
+            up, down = np.concatenate([up, most], axis=2), np.concatenate([down, least_of_all], axis=2)
+        held = self.model.zone_factor**2 * _held_through_zones(level, grid.zone)
+        return HalfPlanes(along, across, up, down, np.minimum(self.ceiling, _at_nodes(held)), grid.widths)
+
+
+def limits_of(
+    path: Path, grid: Grid, speeds: Sequence[LegSpeed], dynamics: Sequence[Dynamics], model: RobotModel, speed_ratio: float = 1.0
+) -> Limits:
+    """Gives the limits of a path whose legs have programmed speeds, scaled by `speed_ratio`, and dynamics."""
+    count = len(grid)
+    programmed, share, rise, fall = np.empty(count), np.empty(count), np.empty(count), np.empty(count)
+    for index, (leg, speed, how) in enumerate(zip(path.legs, speeds, dynamics, strict=True)):
         here = grid.leg == index
-        programmed[here] = speed_ratio * _programmed_cap(grid, here, leg, speed, fastest[here])
-        straight = isinstance(leg, CartesianLeg) and leg.travel > 0
-        ceiling[here] = model.tcp_acceleration * leg.length / leg.travel if straight else np.inf
-    quickest = np.abs(grid.rate) + half[:, None] * np.abs(grid.bend)
-    most_bent = np.abs(grid.bend) + half[:, None] * np.abs(grid.twist)
+        if leg.length == 0:
+            continue  # no interval is in it
+        programmed[here] = speed_ratio * _programmed(grid, here, leg, speed)
+        share[here] = how.acceleration
+        rise[here], fall[here] = how.path_acceleration, how.path_deceleration
     with np.errstate(divide="ignore"):
-        by_speed = _MARGIN * np.min(model.speed / quickest, axis=1)
-        by_acceleration = np.sqrt(np.min(_MARGIN * model.acceleration / most_bent, axis=1))
-        by_curl = np.sqrt(model.corner_acceleration / grid.curl)
-    dynamic = _held_through_zones(np.minimum(by_acceleration, by_curl), grid.zone)
-    cap = np.minimum.reduce([programmed, by_speed, dynamic, _tick_cap(path, grid)])
-    return Cells(grid.edges, grid.middles, cap, grid.rate, grid.bend, grid.twist, _MARGIN * model.acceleration, ceiling)
+        by_joints = _MARGIN * np.min(model.speed / np.abs(grid.rate), axis=(1, 2))
+    speed_cap = np.minimum.reduce([programmed, by_joints, _tick_cap(path, grid)])
+    # TCP limits hold for m of path a second where the TCP travels less than the path's coordinate
+    stretch = np.maximum(grid.stretch.max(axis=1), _NO_LEVER)
+    flat = [np.asarray(values).reshape(-1, 6) for values in (grid.joints, grid.rate, grid.bend)]
+    found = model.effort.efforts(*flat)
+    shape = grid.rate.shape
+    effort = Efforts(found.along.reshape(shape), found.across.reshape(shape), found.resting.reshape(shape))
+    return Limits(grid, model, _at_nodes(speed_cap**2), effort, share, rise / stretch, fall / stretch)
 
 
-def _with(edges: FloatArray, marks: FloatArray) -> FloatArray:
-    """Gives edges (N + 1,) with further marks (M,) between them, where they are not too close to any."""
-    if len(marks) == 0:
-        return edges
-    near = np.minimum(np.searchsorted(edges, marks), len(edges) - 1)
-    apart = np.minimum(np.abs(edges[near] - marks), np.abs(edges[np.maximum(near - 1, 0)] - marks))
-    return np.sort(np.concatenate([edges, marks[apart > _CLOSEST_MARK]]))
-
-
-def _slopes(values: FloatArray, places: FloatArray, piece: IndexArray) -> FloatArray:
-    """Gives the derivatives (N, 6) of values (N, 6) at places (N,), from the neighbours in the same piece of path."""
-    inside = piece[1:] == piece[:-1]
-    slope = np.where(inside[:, None], np.diff(values, axis=0) / np.diff(places)[:, None], 0.0)
-    total, count = np.zeros_like(values), np.zeros(len(values))
-    for side in (slice(None, -1), slice(1, None)):
-        total[side] += slope
-        count[side] += inside
-    return np.asarray(total / np.maximum(count, 1.0)[:, None])
-
-
-def _programmed_cap(grid: Grid, here: BoolArray, leg: Leg, speed: LegSpeed, fastest: FloatArray) -> float | FloatArray:
-    """Gives the programmed speed in m of path coordinate a second; one value for a leg outside joint-space corners.
-
-    fastest: the greatest TCP m per m of path in each of the leg's cells.
-    """
-    if leg.length == 0:
-        return speed.tcp  # no cell is in it
+def _programmed(grid: Grid, here: BoolArray, leg: JointLeg | CartesianLeg, speed: LegSpeed) -> FloatArray:
+    """Gives the programmed speed in m of path coordinate a second for the leg's intervals."""
+    stretch = grid.stretch[here].max(axis=1)
     if speed.duration is not None:
-        return leg.length / speed.duration
+        return np.full(len(stretch), leg.length / speed.duration)
     if isinstance(leg, JointLeg):  # its fastest place decides, so that the joints run evenly
-        stretch = max(leg.fastest / leg.length, float(fastest.max(initial=1e-9)))
-        turning = max(leg.quickest / leg.length, float(grid.turning[here].max(initial=1e-9)))
-        return min(speed.tcp / stretch, speed.turning / turning)
+        fastest, quickest = leg.fastest / leg.length, leg.quickest / leg.length
+        tcp = speed.tcp / np.maximum(fastest, np.maximum(stretch, _NO_LEVER))
+        return np.asarray(np.minimum(tcp, speed.turning / np.maximum(quickest, np.maximum(grid.turning[here], _NO_LEVER))))
     even = speed.tcp * leg.length / leg.travel if leg.travel > 0 else np.inf
     if leg.turning > 0:
         even = min(even, speed.turning * leg.length / leg.turning)
     # Only a blend in joint space can make the TCP faster than its leg's coordinate.
-    quicker = (grid.zone[here] >= 0) & (fastest > (1 + _EVEN) * leg.travel / leg.length)
-    return np.where(quicker, np.minimum(even, speed.tcp / fastest), even)
+    quicker = (grid.zone[here] >= 0) & (stretch > (1 + _EVEN) * leg.travel / leg.length)
+    return np.where(quicker, np.minimum(even, speed.tcp / np.maximum(stretch, _NO_LEVER)), even)
 
 
 def _held_through_zones(cap: FloatArray, zone: IndexArray) -> FloatArray:
-    """Gives caps under which no point of a zone is passed faster than the slowest that is still to come in the same zone."""
-    held = cap.copy()
-    for index in range(len(held) - 2, -1, -1):
-        if zone[index] >= 0 and zone[index] == zone[index + 1]:
-            held[index] = min(held[index], held[index + 1])
-    return held
+    """Gives caps (N,) under which no interval of a zone is passed faster than any that is still to come in the same zone."""
+    held = np.where(zone >= 0, cap, np.inf)
+    inside = np.flatnonzero(zone >= 0)
+    if len(inside) == 0:
+        return held
+    for run in np.split(inside, np.flatnonzero(np.diff(zone[inside])) + 1):
+        held[run] = np.minimum.accumulate(held[run][::-1])[::-1]
+    return np.asarray(held)
 
 
 def _tick_cap(path: Path, grid: Grid) -> FloatArray:
-    """Gives the cap (N,) that makes every zone last at least one controller tick."""
+    """Gives the speed cap (N,) that makes every zone last at least one controller tick."""
     widths = np.array([2 * corner.radius for corner in path.corners] + [np.inf])
     return np.where(grid.zone >= 0, widths[grid.zone] / CONTROLLER_TICK, np.inf)
+
+
+def _at_nodes(cap: FloatArray) -> FloatArray:
+    """Gives caps (N+1,) at nodes: the lower of the intervals' (N,) beside them."""
+    return np.asarray(np.minimum(np.append(cap, np.inf), np.append(np.inf, cap)))

@@ -45,6 +45,14 @@ class PlannedMove:
     settings: MoveSettings = DEFAULT
 
     @property
+    def fastest(self) -> float:
+        """Gives the greatest programmed speed in m of the leg's coordinate a second."""
+        leg, speed = self.leg, self.speed
+        if speed.duration is not None:
+            return leg.length / speed.duration
+        return speed.tcp * leg.length / leg.travel if leg.travel > 0 else np.inf
+
+    @property
     def fine(self) -> bool:
         """Gives whether the robot stops at the end of the move."""
         return self.effect.zone.finep

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import PPoly
+from scipy.interpolate import CubicSpline, PPoly
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from mitl.motion.kinematics import Arm
@@ -22,8 +22,8 @@ from mitl.paths import BoolArray, FloatArray
 IndexArray = NDArray[np.intp]
 
 _NODES = 33
-_LEAST_STRETCH = 0.3
-"""Least ratio of TCP way to leg coordinate: in corners sharper than 145 deg s stops following the arc length, so that it stays regular."""
+_LEAST_STRETCH = 0.16
+"""Least ratio of path to leg coordinate: in corners sharper than 142 deg s is more than the arc length, so that it stays regular."""
 _SHORTEST_PIECE = 1e-7
 _WAY_STEPS = 2000
 """Chords by which the TCP's way on a joint leg is measured; a metre of it bent by a radian is then right to .01 um."""
@@ -67,15 +67,21 @@ class Path:
         self.corners = tuple(corners)
         self._begins = np.concatenate([[0.0], np.cumsum([leg.length for leg in self.legs])])
         self._scale = np.array([leg.length / leg.travel if leg.travel > 0 else 0.0 for leg in self.legs])
+        self._unevenness = np.zeros(len(self.corners))
         if self._begins[-1] < _SHORTEST_PIECE:  # moves to where the arm stands
             self.length = 0.0
             self._g_of_s = self._s_of_g = PPoly(np.array([[1.0], [0.0]]), np.array([0.0, 1.0]))
             return
-        nodes = [self._nodes_of_corner(index) for index in range(len(self.corners)) if self.corners[index].radius > 0]
-        g, s, after, before = _chain_nodes(nodes, float(self._begins[-1]))
+        zones = [index for index in range(len(self.corners)) if self.corners[index].radius > 0]
+        nodes = [self._nodes_of_corner(index) for index in zones]
+        for index, corner in zip(zones, nodes, strict=True):
+            self._unevenness[index] = np.log(corner.after.max() / corner.after.min())
+        chained = _chain_nodes(nodes, float(self._begins[-1]))
+        s = np.concatenate([[0.0], np.cumsum(chained.way)])
         self.length = float(s[-1])
-        self._g_of_s = _hermite(s, g, 1 / after, 1 / before)
-        self._s_of_g = _hermite(g, s, after, before)
+        after, before = 1 / chained.after, 1 / chained.before
+        self._g_of_s = _quintic(s, chained.g, after, before, -chained.bend_after * after**3, -chained.bend_before * before**3)
+        self._s_of_g = _quintic(chained.g, s, chained.after, chained.before, chained.bend_after, chained.bend_before)
 
     def pieces(self) -> Pieces:
         """Gives the path's pieces, within which it is smooth: cut at programmed points, at zones' edges and where zones' blends bend."""
@@ -111,10 +117,8 @@ class Path:
         return np.asarray(self._s_of_g(marks)) if len(marks) else marks
 
     def unevenness(self) -> FloatArray:
-        """Gives for every corner (M,) the logarithm of how differently fast the coordinates beside it run; 0 where it has no zone."""
-        zones = np.array([corner.radius > 0 for corner in self.corners], dtype=bool)
-        scale = np.where(self._scale > 0, self._scale, 1.0)
-        return np.where(zones, np.abs(np.diff(np.log(scale))), 0.0)
+        """Gives for every corner (M,) the logarithm of how differently fast the path's and the legs' coordinates run; 0 without a zone."""
+        return self._unevenness
 
     def leg_ends(self) -> FloatArray:
         """Gives the path coordinates (legs + 1,) in m of the programmed points: the start, the middles of the corners, the end."""
@@ -140,6 +144,13 @@ class Path:
         else:
             x = way * self._scale[index]
         return float(self._s_of_g(self._begins[index] + min(x, leg.length)))
+
+
+    def zone_ends(self) -> FloatArray:
+        """Gives the path coordinates (legs + 1,) in m at which the zones about the programmed points end; the points where none is."""
+        radius = np.array([0.0, *(corner.radius for corner in self.corners), 0.0])
+        scale = np.append(self._scale, 0.0)
+        return np.asarray(self._s_of_g(self._begins + radius * scale))
 
     def sample(self, s: FloatArray) -> Sample:
         """Gives the path at ascending coordinates s (N,) in m. Joints are NaN where a pose is out of reach."""
@@ -321,13 +332,19 @@ class Path:
         u = np.linspace(-1, 1, 2 * _NODES - 1)  # every second one only serves Simpson's rule
         per_u = radius * np.exp(0.5 * ((1 - u) * np.log(ka) + (1 + u) * np.log(kb)))
         if not self._joint_corner(index):
-            per_u *= np.maximum(self._tcp_way(index, u), _LEAST_STRETCH)
+            per_u *= _regular(self._tcp_way(index, u))
         way = (per_u[:-2:2] + 4 * per_u[1:-1:2] + per_u[2::2]) * (u[2] - u[0]) / 6
+        bend = CubicSpline(u, per_u)(u[::2], 1)
         u, per_u = u[::2], per_u[::2]
         before_corner = np.arange(_NODES - 1) < _NODES // 2
-        k = np.where(before_corner, ka, kb)  # of the intervals: dg/du = radius k jumps at the corner, where ds/du does not
+        k = radius * np.where(before_corner, ka, kb)  # of the intervals: dg/du jumps at the corner, where ds/du does not
         return _CornerNodes(
-            self._begins[index + 1] + u * radius * np.where(u < 0, ka, kb), way, per_u[:-1] / (radius * k), per_u[1:] / (radius * k)
+            g=self._begins[index + 1] + u * radius * np.where(u < 0, ka, kb),
+            way=way,
+            after=per_u[:-1] / k,
+            before=per_u[1:] / k,
+            bend_after=bend[:-1] / k**2,
+            bend_before=bend[1:] / k**2,
         )
 
     def _tcp_way(self, index: int, u: FloatArray) -> FloatArray:
@@ -352,35 +369,48 @@ def _wrist(leg: CartesianLeg, x: FloatArray) -> FloatArray:
     return leg.held_wrist.angles(leg.share(x))
 
 
+def _regular(way: FloatArray) -> FloatArray:
+    """Gives ways (N,) that are never less than _LEAST_STRETCH, unchanged from its double on, with an even slope."""
+    return np.where(way < 2 * _LEAST_STRETCH, _LEAST_STRETCH + way**2 / (4 * _LEAST_STRETCH), way)
+
+
 @dataclass(frozen=True, eq=False)
 class _CornerNodes:
-    """Nodes over a zone: g (K,), and for the K - 1 intervals the way in s and the slopes ds/dg at both ends."""
+    """Nodes over a zone: g (K,), and for the K - 1 intervals the way in s, and the slopes ds/dg and bends d2s/dg2 at both ends."""
 
     g: FloatArray
     way: FloatArray
     after: FloatArray
     before: FloatArray
+    bend_after: FloatArray
+    bend_before: FloatArray
 
 
-def _chain_nodes(corners: list[_CornerNodes], total: float) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Gives nodes of a path of `total` coordinate length: g (N,), s (N,), and per interval ds/dg after its begin and before its end."""
-    g, ways, after, before = [np.zeros(1)], [], [], []
-    for corner in [*corners, _CornerNodes(np.array([total]), np.empty(0), np.empty(0), np.empty(0))]:
+def _chain_nodes(corners: list[_CornerNodes], total: float) -> _CornerNodes:
+    """Gives nodes of a whole path of `total` coordinate length; between zones s runs as g does."""
+    even = {"after": 1.0, "before": 1.0, "bend_after": 0.0, "bend_before": 0.0}
+    g: list[FloatArray] = [np.zeros(1)]
+    parts: dict[str, list[FloatArray]] = {name: [] for name in ("way", *even)}
+    nothing = np.empty(0)
+    for corner in [*corners, _CornerNodes(np.array([total]), nothing, nothing, nothing, nothing, nothing)]:
         gap = corner.g[0] - g[-1][-1]
         joined = gap < 1e-12 * max(total, 1.0)  # where two zones meet, or one begins with the path, there is no straight stretch between
         g.append(corner.g[1:] if joined else corner.g)
-        ways.append(corner.way if joined else np.append(gap, corner.way))
-        after.append(corner.after if joined else np.append(1.0, corner.after))
-        before.append(corner.before if joined else np.append(1.0, corner.before))
-    s = np.concatenate([[0.0], np.cumsum(np.concatenate(ways))])
-    return np.concatenate(g), s, np.concatenate(after), np.concatenate(before)
+        for name, found in parts.items():
+            values = getattr(corner, name)
+            found.append(values if joined else np.append(even.get(name, gap), values))
+    return _CornerNodes(np.concatenate(g), **{name: np.concatenate(found) for name, found in parts.items()})
 
 
-def _hermite(x: FloatArray, y: FloatArray, after: FloatArray, before: FloatArray) -> PPoly:
-    """Gives the piecewise cubic through (x, y) (N,) with slopes (N - 1,) after the begin and before the end of each interval."""
-    width = np.diff(x)
-    mean = np.diff(y) / width
-    return PPoly(np.stack([(after + before - 2 * mean) / width**2, (3 * mean - 2 * after - before) / width, after, y[:-1]]), x)
+def _quintic(x: FloatArray, y: FloatArray, after: FloatArray, before: FloatArray, bend_after: FloatArray, bend_before: FloatArray) -> PPoly:
+    """Gives the piecewise quintic through (x, y) (N,); slopes and bends (N - 1,) after the begins and before the ends of intervals."""
+    h = np.diff(x)
+    rest = np.diff(y) - h * (after + h * bend_after / 2)
+    slope, bend = before - after - h * bend_after, bend_before - bend_after
+    c3 = 10 * rest / h**3 - 4 * slope / h**2 + bend / (2 * h)
+    c4 = -15 * rest / h**4 + 7 * slope / h**3 - bend / h**2
+    c5 = 6 * rest / h**5 - 3 * slope / h**4 + bend / (2 * h**3)
+    return PPoly(np.stack([c5, c4, c3, bend_after / 2, after, y[:-1]]), x)
 
 
 def _runs(by_joints: BoolArray, tools: list[RigidTransform], leg_of: IndexArray) -> list[IndexArray]:

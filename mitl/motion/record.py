@@ -1,6 +1,7 @@
 """MotionRecord: what an arm has been told to do so far, in time: planned, and as the arm and the controller's report follow it.
 
-Time runs in ticks from 0. Invariant: what has been recorded up to (the newest chain's start - half a filter) never changes again.
+The views but the plan are made at ticks from 0 on: the path coordinate lags, then joints pass the filters. Invariant: what has been
+recorded up to (the newest chain's start - half a filter) never changes again.
 """
 
 from __future__ import annotations
@@ -14,7 +15,8 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from mitl.motion.chain import Chain
-from mitl.motion.filters import moving_average
+from mitl.motion.filters import motor_side, moving_average
+from mitl.motion.lag import behind_at
 from mitl.motion.moves import PlannedMove
 from mitl.motion.robot_model import RobotModel
 from mitl.paths import FloatArray
@@ -32,17 +34,39 @@ class View(Enum):
     PLANNED = "planned"
 
 
+_SETTLED = 1e-6
+"""Way in m that the lagged path coordinate may still be short of a stop for the arm to count as standing."""
+_TAIL = 16.0
+"""Time constants of the lag after which nothing is left of it."""
+
+
 @dataclass(frozen=True, eq=False)
 class ScheduledChain:
-    """A chain that begins at `start` s."""
+    """A chain that begins at `start` s, the lagged path coordinate `behind` m behind it."""
 
     start: float
     chain: Chain
+    behind: float = 0.0
 
     @property
     def end(self) -> float:
         """Gives the time in s at which the plan comes to rest."""
         return self.start + self.chain.timing.duration
+
+    @property
+    def first(self) -> float:
+        """Gives the path coordinate in m at which the chain begins."""
+        return float(self.chain.timing.position[0])
+
+    @property
+    def last(self) -> float:
+        """Gives the path coordinate in m at which the plan comes to rest, or goes on in the next chain."""
+        timing = self.chain.timing
+        return float(timing.at(np.array([timing.duration]))[0][0])
+
+    def behind_at(self, time: FloatArray, lag: float) -> FloatArray:
+        """Gives how far (N,) in m the lagged path coordinate is behind the plan at times (N,) s, from `start` on."""
+        return behind_at(self.chain.timing, lag, self.behind, time - self.start)
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,23 +85,31 @@ class MotionRecord:
         self.model = model
         self.chains: list[ScheduledChain] = []
         self.moves: list[ExecutedMove] = []
-        self._planned = q_start[None, :].copy()
-        self._views: dict[View, FloatArray] = {View.TOOL: self._planned, View.CONTROLLER: self._planned}
+        self._q_start = q_start
+        self._followed = q_start[None, :].copy()
+        self._views: dict[View, FloatArray] = {View.TOOL: self._followed, View.CONTROLLER: self._followed}
 
     @property
     def half_filter(self) -> float:
-        """Gives how long in s the arm moves before and after the plan does."""
+        """Gives how long in s the arm moves before the plan does, and after the lagged plan."""
         return float(self.model.arm_windows.sum() / 2)
 
     @property
     def end(self) -> float:
-        """Gives the time in s from which on nothing moves any more."""
-        return self.chains[-1].end + self.half_filter if self.chains else 0.0
+        """Gives the time in s from which on nothing moves any more, to within _SETTLED."""
+        if not self.chains:
+            return 0.0
+        newest, lag = self.chains[-1], self.model.path_lag
+        left = float(newest.behind_at(np.array([newest.end]), lag)[0])
+        return newest.end + lag * max(math.log(max(left, 1e-300) / _SETTLED), 0.0) + self.half_filter
 
     @property
     def joints_planned_last(self) -> FloatArray:
         """Gives the joints (6,) rad at which the plan comes to rest."""
-        return np.asarray(self._planned[-1])
+        if not self.chains:
+            return self._q_start
+        newest = self.chains[-1]
+        return np.asarray(_joints(newest, np.array([newest.last]))[0])
 
     def schedule(self, start: float, chain: Chain, *, under_way: int = 0, beyond: int | None = None) -> None:
         """Moves along a chain from `start` s on; what was scheduled from then on is dropped.
@@ -94,23 +126,26 @@ class MotionRecord:
         for index, move in enumerate(moves):
             begins = float(passing[index])
             self.moves.append(ExecutedMove(move, min(known, begins) if index == 0 else begins, float(passing[index + 1])))
-        scheduled = ScheduledChain(start, chain)
-        self.chains.append(scheduled)
-        self._extend(scheduled)
+        behind = float(self.chains[-1].behind_at(np.array([start]), self.model.path_lag)[0]) if self.chains else 0.0
+        self.chains.append(ScheduledChain(start, chain, behind))
+        self._extend(self.chains[-1])
 
     def cancel(self, start: float) -> None:
         """Drops what was scheduled from `start` s on, where the arm stands."""
         self._drop_from(start)
         self.moves = [executed for executed in self.moves if executed.begins < start - _SAME_TIME]
-        self._filter_from(max(len(self._planned) - 2 * self._hold, 0), self._hold)
+        if self.chains:
+            self._extend(self.chains[-1])
+        else:
+            self._filter_from(0, self._hold)
 
     def _drop_from(self, start: float) -> None:
         while self.chains and self.chains[-1].start >= start - _SAME_TIME:
             self.chains.pop()
         if self.chains and self.chains[-1].end > start:
             cut = self.chains[-1]
-            self.chains[-1] = ScheduledChain(cut.start, replace(cut.chain, timing=cut.chain.timing.until(start - cut.start)))
-        self._planned = self._planned[: max(self._first_tick(start), 1)]
+            self.chains[-1] = replace(cut, chain=replace(cut.chain, timing=cut.chain.timing.until(start - cut.start)))
+        self._followed = self._followed[: max(self._first_tick(start), 1)]
 
     def joints_at(self, time: float, view: View = View.TOOL) -> FloatArray:
         """Gives the joints (6,) rad at `time` s as the arm follows, by cubic interpolation between ticks."""
@@ -127,14 +162,16 @@ class MotionRecord:
 
     def joints(self, time: FloatArray, view: View) -> FloatArray:
         """Gives joints (N, 6) rad at times (N,) s in a view; they rest before 0 and after the end."""
-        ticks = self._planned if view is View.PLANNED else self._views[view]
+        if view is View.PLANNED:
+            return self._planned(time)
+        ticks = self._views[view]
         if len(ticks) < 2:
             return np.repeat(ticks, len(time), axis=0)
         return np.asarray(CubicSpline(TICK * np.arange(len(ticks)), ticks)(np.clip(time, 0.0, TICK * (len(ticks) - 1))))
 
     def joint_speeds(self, view: View) -> FloatArray:
         """Gives joint speeds (M, 6) rad/s at all ticks of a view."""
-        ticks = self._planned if view is View.PLANNED else self._views[view]
+        ticks = self._planned(TICK * np.arange(len(self._followed), dtype=np.float64)) if view is View.PLANNED else self._views[view]
         return np.asarray(np.gradient(ticks, TICK, axis=0)) if len(ticks) > 1 else np.zeros_like(ticks)
 
     def move_at(self, time: FloatArray) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
@@ -167,31 +204,60 @@ class MotionRecord:
 
     @property
     def _hold(self) -> int:
-        """Gives how many ticks past the plan's end the views go on changing."""
+        """Gives how many ticks past the lagged plan's end the views go on changing."""
         return int(np.ceil(max(self.model.arm_windows.sum(), self.model.controller_windows.max()) / 2 / TICK)) + 2
+
+    def _planned(self, time: FloatArray) -> FloatArray:
+        """Gives the joints (N, 6) rad exactly as planned at times (N,) s."""
+        joints = np.repeat(self._q_start[None], len(time), axis=0)
+        chain_of = np.searchsorted([scheduled.start for scheduled in self.chains], time, side="right") - 1
+        for index in np.unique(chain_of[chain_of >= 0]):
+            here = np.flatnonzero(chain_of == index)
+            order = here[np.argsort(time[here], kind="stable")]
+            scheduled = self.chains[index]
+            joints[order] = _joints(scheduled, scheduled.chain.timing.at(time[order] - scheduled.start)[0])
+        return joints
 
     def _first_tick(self, time: float) -> int:
         return int(np.ceil(time / TICK - 1e-9))
 
     def _extend(self, scheduled: ScheduledChain) -> None:
-        """Samples a chain at the ticks, holding the former rest until its start, and filters what has become new."""
-        first, beyond = self._first_tick(scheduled.start), self._first_tick(scheduled.end) + 1
-        rest = np.repeat(self._planned[-1:], max(first - len(self._planned), 0), axis=0)
+        """Samples a chain at the ticks along the lagged path, the former one's rest before it, and filters what has become new."""
+        first, beyond = self._first_tick(scheduled.start), self._first_tick(scheduled.end + _TAIL * self.model.path_lag) + 1
+        rest = np.repeat(self._followed[-1:], max(first - len(self._followed), 0), axis=0)
         ticks: FloatArray = TICK * np.arange(first, beyond, dtype=np.float64)
-        s = scheduled.chain.timing.at(ticks - scheduled.start)[0]
-        sampled = (
-            scheduled.chain.path.sample(s).joints if scheduled.chain.path.length > 0 else np.repeat(self._planned[-1:], len(s), axis=0)
-        )
-        known = min(len(self._planned), first)
-        self._planned = np.concatenate([self._planned[:first], rest, sampled])
+        s = scheduled.chain.timing.at(ticks - scheduled.start)[0] - scheduled.behind_at(ticks, self.model.path_lag)
+        sampled = np.empty((len(s), 6))
+        todo, index = np.arange(len(s)), len(self.chains) - 1
+        while len(todo):  # what lags may still be on the path of former chains
+            here, before = self.chains[index], index > 0
+            own = s[todo] >= here.first if before else np.ones(len(todo), dtype=bool)
+            sampled[todo[own]] = _joints(here, np.maximum(s[todo[own]], here.first))
+            todo = todo[~own]
+            if before:
+                s[todo] += self.chains[index - 1].last - here.first
+            index -= 1
+        sampled[-1] = self.joints_planned_last
+        known = min(len(self._followed), first)
+        self._followed = np.concatenate([self._followed[:first], rest, sampled])
         self._filter_from(max(known - 2 * self._hold, 0), self._hold)
 
     def _filter_from(self, tick: int, hold: int) -> None:
         """Computes the arm's and the controller's views anew from a tick on, `hold` ticks past the plan's end."""
         margin = min(2 * hold, tick)
-        tail = np.concatenate([self._planned[tick - margin :], np.repeat(self._planned[-1:], hold, axis=0)])
+        tail = np.concatenate([self._followed[tick - margin :], np.repeat(self._followed[-1:], hold, axis=0)])
         once = moving_average(tail, TICK, [self.model.arm_windows[0]] * 6)
         arm = moving_average(once, TICK, [self.model.arm_windows[1]] * 6)
-        report = moving_average(tail, TICK, self.model.controller_windows)
+        report = (
+            motor_side(self.model, arm, TICK)
+            if self.model.elasticity is not None
+            else moving_average(tail, TICK, self.model.controller_windows)
+        )
         for view, values in ((View.TOOL, arm), (View.CONTROLLER, report)):
             self._views[view] = np.concatenate([self._views[view][:tick], values[margin:]])
+
+
+def _joints(scheduled: ScheduledChain, s: FloatArray) -> FloatArray:
+    """Gives the joints (N, 6) rad at ascending coordinates (N,) of a chain's path."""
+    path = scheduled.chain.path
+    return path.sample(s).joints if path.length > 0 else np.repeat(path.legs[0].q_start[None], len(s), axis=0)

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from mitl.errors import UsageError
+from mitl.motion.effort import AxisLimits, EffortModel, FittedTorques
 from mitl.paths import FloatArray
 from mitl.resources import models_folder
 
@@ -43,7 +44,10 @@ class RobotModel:
     tcp_acceleration m/s^2 along the path, smoothed over
     acceleration_window s; corner_acceleration m/s^2 across the path; vmax m/s. arm_windows: widths in s of the two moving averages
     between plan and tool; controller_windows (6,) s: the same between plan and what the controller reports. start_latency s from a
-    command to the start of the plan. fine_pause (K,) s at peak leg speeds fine_pause_speed (K,) m/s.
+    command to the start of the plan. fine_pause (K,) s at peak leg speeds fine_pause_speed (K,) m/s. zone_factor: how much faster than the
+    rest of a zone allows it is entered. path_lag: time constant in s with which the path coordinate lags. effort: what the drives can do.
+    elasticity (6, 6): rad that the motor side of each axis (row) is ahead of the arm per unit of each axis' effort; None where unknown,
+    then controller_windows stand for it.
     """
 
     name: str
@@ -64,6 +68,10 @@ class RobotModel:
     start_latency: float
     fine_pause_speed: FloatArray
     fine_pause: FloatArray
+    zone_factor: float
+    path_lag: float
+    effort: EffortModel
+    elasticity: FloatArray | None
 
     @property
     def urdf(self) -> Path:
@@ -125,7 +133,39 @@ def load_robot_model(name: str) -> RobotModel:
         start_latency=reader.number("executed", "start_latency_s"),
         fine_pause_speed=reader.array("executed", "fine_pause_speed_m_s"),
         fine_pause=reader.array("executed", "fine_pause_s"),
+        zone_factor=reader.number("tcp", "zone_speed_factor"),
+        path_lag=reader.number("executed", "path_lag_s"),
+        effort=_effort(reader),
+        elasticity=_elasticity(reader),
     )
+
+
+def _effort(reader: _Reader) -> EffortModel:
+    """Gives the fitted torques where there is a section of them, else the acceleration limits."""
+    if "torques" not in reader.table:
+        return AxisLimits(np.radians(reader.array("joints", "acceleration_deg_s2", _JOINTS)))
+    numbers = {key: reader.number("torques", key) for key in ("swing_least", "shoulder", "elbow", "coupling", "own", "fling")}
+    return FittedTorques(
+        **numbers,
+        swing=reader.array("torques", "swing", 7),
+        gravity=reader.array("torques", "gravity", 2),
+        fold=reader.number("torques", "fold_rad"),
+        lean=reader.number("torques", "lean_rad"),
+        wrist=np.radians(reader.array("joints", "acceleration_deg_s2", _JOINTS))[3:],
+        strength=reader.number("torques", "strength"),
+        weakens=reader.array("torques", "weakens_between", 2),
+        weakest=reader.number("torques", "weakest"),
+    )
+
+
+def _elasticity(reader: _Reader) -> FloatArray | None:
+    """Gives the elasticity's matrix, of axes 1 to 3."""
+    if "elasticity" not in reader.table:
+        return None
+    matrix = np.zeros((_JOINTS, _JOINTS))
+    for row in range(3):
+        matrix[row, :3] = reader.array("elasticity", f"axis_{row + 1}_rad", 3)
+    return matrix
 
 
 def _sheared(q: FloatArray, sign: float) -> FloatArray:

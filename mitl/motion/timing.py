@@ -13,11 +13,10 @@ from ruckig import ControlInterface, InputParameter, Result, Ruckig, Trajectory
 
 from mitl.paths import FloatArray
 
-SOLVED = (Result.Working, Result.Finished)
+_SOLVED = (Result.Working, Result.Finished)
 """Ruckig's answers that are trajectories."""
 _MOST_NEWTON_STEPS = 60
-PHASES = 7
-"""Pieces of a ruckig profile, also where some last no time."""
+_FADES = 1 + 1e-9
 _ON_THE_SPOT = 1e-15
 """Distance in m from a position that counts as none: the rounding of positions in a path of a metre."""
 _STILL = 1e-12
@@ -93,25 +92,6 @@ class Timing:
         later = {name: getattr(self, name)[piece + 1 :] - (time if name == "start" else 0.0) for name in _PIECES}
         return replace(self, **{name: np.concatenate([cut[name], later[name]]) for name in _PIECES}, duration=self.duration - time)
 
-    def humps_beyond(self, time: float) -> tuple[tuple[float, float], ...]:
-        """Gives distances in m, counted from the position at `time` s, and speeds in m/s of the begins of later ruckig profiles."""
-        begins = np.arange(0, len(self.start), PHASES)
-        later = begins[self.start[begins] > time]
-        here = float(self.at(np.array([time]))[0][0])
-        return tuple(zip((self.position[later] - here).tolist(), self.speed[later].tolist(), strict=True))
-
-    def calm_from(self, position: float) -> float | None:
-        """Gives the first time in s at or after a path position with no acceleration and the path moving; None if there is none.
-
-        Either the position lies in a cruise, or it is the begin of a later piece.
-        """
-        time = float(self.times_at(np.array([position]))[0])
-        piece = int(np.clip(np.searchsorted(self.start, time, side="right") - 1, 0, len(self.start) - 1))
-        if self.speed[piece] > 1e-6 and abs(self.acceleration[piece]) < 1e-9 and abs(self.jerk[piece]) < 1e-9:
-            return time
-        calm = (self.position >= position) & (np.abs(self.acceleration) < 1e-9) & (self.speed > 1e-6) & (self.lengths > 0)
-        return float(self.start[calm][0]) if calm.any() else None
-
 
 def standing(position: float) -> Timing:
     """Gives a timing that stands at a path position in m for no time."""
@@ -124,21 +104,22 @@ def braked(timing: Timing, time: float, deceleration: float, window: float) -> T
     time = min(time, timing.duration)
     kept = timing.until(time)
     position, speed, acceleration = (float(value[0]) for value in timing.at(np.array([time])))
-    if speed <= 0:
+    if speed <= _STILL:
         return kept
     request, answer = InputParameter(1), Trajectory(1)
     request.control_interface = ControlInterface.Velocity
     request.current_position, request.current_velocity, request.current_acceleration = [position], [speed], [acceleration]
     request.target_velocity, request.target_acceleration = [0.0], [0.0]
     request.max_acceleration = [max(deceleration, abs(acceleration))]
-    request.max_jerk = [request.max_acceleration[0] / window]
+    # where it brakes so hard already that it would stand before that has faded, it fades just in time
+    request.max_jerk = [max(request.max_acceleration[0] / window, _FADES * min(acceleration, 0.0) ** 2 / (2 * speed))]
     result = Ruckig(1).calculate(request, answer)
-    if result not in SOLVED:
+    if result not in _SOLVED:
         raise ValueError(f"ruckig could not brake from {speed:.3g} m/s: {result}")
-    return joined([replace(kept, duration=time), phases(answer)])
+    return _joined([replace(kept, duration=time), _phases(answer)])
 
 
-def phases(answer: Trajectory) -> Timing:
+def _phases(answer: Trajectory) -> Timing:
     """Gives a one-dimensional ruckig trajectory's seven phases."""
     found = answer.profiles[0][0]
     return Timing(
@@ -151,7 +132,7 @@ def phases(answer: Trajectory) -> Timing:
     )
 
 
-def joined(profiles: Sequence[Timing]) -> Timing:
+def _joined(profiles: Sequence[Timing]) -> Timing:
     """Gives profiles that follow one another as one."""
     begins = np.concatenate([[0.0], np.cumsum([profile.duration for profile in profiles])])
     return Timing(

@@ -25,6 +25,10 @@ DOWN = "[0,0,1,0]"
 """The tool points down, its x axis back at the robot."""
 
 
+WITHIN_DEG = 1e-3  # axis limits are looked at to second order in intervals of up to 20 mm
+REPORTED = 1.25
+
+
 @dataclass
 class Rapid:
     """Writes RAPID: motion instructions to a place in mm."""
@@ -86,6 +90,14 @@ class Motion:
             else:
                 joints[here] = chain.path.legs[0].q_start
         return joints
+
+    def holds(self, view):
+        """Gives whether no limit is exceeded. What the controller reports passes narrower filters than the arm and is no motion of it."""
+        worst = self.audit(view)
+        assert worst.beyond_deg <= WITHIN_DEG
+        assert worst.speed <= 1
+        assert worst.acceleration <= (REPORTED if view is View.CONTROLLER else 1)
+        return True
 
     def audit(self, view, step=5e-4):
         if view is View.PLANNED:

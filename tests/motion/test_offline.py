@@ -98,7 +98,7 @@ def test_an_oracle_is_what_follows_its_order(tmp_path):
     assert [move.line for move in oracle.moves] == [13, 14]
     assert oracle.tcp.time[0] == 0
     assert oracle.tcp.position[[0, -1]] == pytest.approx(np.array([[0.05, 0, 0.1]] * 2), abs=EXACT)
-    assert oracle.tcp.position[:, 1].max() == pytest.approx(0.1, abs=EXACT)
+    assert oracle.tcp.position[:, 1].max() == pytest.approx(0.1, abs=5e-5)  # the pause of a fine point is shorter than filters and lag
     assert oracle.wobj[:3] == pytest.approx([0.4, 0, 0.3])
     times, values = oracle.signals["doBusy"]
     assert list(values) == [0, 1, 0]
