@@ -152,7 +152,7 @@ KINDS = {
         FaultKind("circle-radius", "the middle of every arc lies too far out", "planner", "mm", 10.0, bugs.circle_radius),
         FaultKind("zone-as-fine", "zones lose a share of their size; 1 is a stop point", "planner", "share", 1.0, bugs.zone_as_fine),
         FaultKind("zone-size", "zones are too large (or, negative, too small)", "planner", "per cent", 100.0, bugs.zone_size),
-        FaultKind("speed", "programmed speeds are off", "planner", "per cent", 5.0, bugs.speed),
+        FaultKind("speed", "programmed speeds are off", "planner", "per cent", 8.0, bugs.speed),
         FaultKind("joint-offset", "axis 3 is not where the controller believes it", "servo", "deg", 3.0, make_offset=servo.axis_3_off),
         FaultKind(
             "orientation-not-interpolated",

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline, PPoly
 from scipy.spatial.transform import RigidTransform, Rotation
 
+from mitl.motion.coordinate import CornerNodes, chain_nodes, quintic, regular
 from mitl.motion.kinematics import Arm
 from mitl.motion.legs import CartesianLeg, JointLeg, Leg
 from mitl.motion.zones import FLAT, blended, off_corner, orientation_blend, position_blend, position_blend_slope
@@ -22,8 +23,6 @@ from mitl.paths import BoolArray, FloatArray
 IndexArray = NDArray[np.intp]
 
 _NODES = 33
-_LEAST_STRETCH = 0.16
-"""Least ratio of path to leg coordinate: in corners sharper than 142 deg s is more than the arc length, so that it stays regular."""
 _SHORTEST_PIECE = 1e-7
 _WAY_STEPS = 2000
 """Chords by which the TCP's way on a joint leg is measured; a metre of it bent by a radian is then right to .01 um."""
@@ -76,12 +75,12 @@ class Path:
         nodes = [self._nodes_of_corner(index) for index in zones]
         for index, corner in zip(zones, nodes, strict=True):
             self._unevenness[index] = np.log(corner.after.max() / corner.after.min())
-        chained = _chain_nodes(nodes, float(self._begins[-1]))
+        chained = chain_nodes(nodes, float(self._begins[-1]))
         s = np.concatenate([[0.0], np.cumsum(chained.way)])
         self.length = float(s[-1])
         after, before = 1 / chained.after, 1 / chained.before
-        self._g_of_s = _quintic(s, chained.g, after, before, -chained.bend_after * after**3, -chained.bend_before * before**3)
-        self._s_of_g = _quintic(chained.g, s, chained.after, chained.before, chained.bend_after, chained.bend_before)
+        self._g_of_s = quintic(s, chained.g, after, before, -chained.bend_after * after**3, -chained.bend_before * before**3)
+        self._s_of_g = quintic(chained.g, s, chained.after, chained.before, chained.bend_after, chained.bend_before)
 
     def pieces(self) -> Pieces:
         """Gives the path's pieces, within which it is smooth: cut at programmed points, at zones' edges and where zones' blends bend."""
@@ -325,20 +324,20 @@ class Path:
         joints[np.flatnonzero(own)[order]] = q[3:]
         return np.asarray(joints)
 
-    def _nodes_of_corner(self, index: int) -> _CornerNodes:
+    def _nodes_of_corner(self, index: int) -> CornerNodes:
         """Gives nodes over a zone. ds/du is smooth over the corner, also where the legs' coordinates run differently fast."""
         radius = self.corners[index].radius
         ka, kb = self._scale[index], self._scale[index + 1]
         u = np.linspace(-1, 1, 2 * _NODES - 1)  # every second one only serves Simpson's rule
         per_u = radius * np.exp(0.5 * ((1 - u) * np.log(ka) + (1 + u) * np.log(kb)))
         if not self._joint_corner(index):
-            per_u *= _regular(self._tcp_way(index, u))
+            per_u *= regular(self._tcp_way(index, u))
         way = (per_u[:-2:2] + 4 * per_u[1:-1:2] + per_u[2::2]) * (u[2] - u[0]) / 6
         bend = CubicSpline(u, per_u)(u[::2], 1)
         u, per_u = u[::2], per_u[::2]
         before_corner = np.arange(_NODES - 1) < _NODES // 2
         k = radius * np.where(before_corner, ka, kb)  # of the intervals: dg/du jumps at the corner, where ds/du does not
-        return _CornerNodes(
+        return CornerNodes(
             g=self._begins[index + 1] + u * radius * np.where(u < 0, ka, kb),
             way=way,
             after=per_u[:-1] / k,
@@ -367,50 +366,6 @@ def _wrist(leg: CartesianLeg, x: FloatArray) -> FloatArray:
     """Gives axes 4 to 6 (N, 3) in rad at coordinates (N,) of a leg that interpolates them."""
     assert leg.held_wrist is not None  # noqa: S101 - narrows the type
     return leg.held_wrist.angles(leg.share(x))
-
-
-def _regular(way: FloatArray) -> FloatArray:
-    """Gives ways (N,) that are never less than _LEAST_STRETCH, unchanged from its double on, with an even slope."""
-    return np.where(way < 2 * _LEAST_STRETCH, _LEAST_STRETCH + way**2 / (4 * _LEAST_STRETCH), way)
-
-
-@dataclass(frozen=True, eq=False)
-class _CornerNodes:
-    """Nodes over a zone: g (K,), and for the K - 1 intervals the way in s, and the slopes ds/dg and bends d2s/dg2 at both ends."""
-
-    g: FloatArray
-    way: FloatArray
-    after: FloatArray
-    before: FloatArray
-    bend_after: FloatArray
-    bend_before: FloatArray
-
-
-def _chain_nodes(corners: list[_CornerNodes], total: float) -> _CornerNodes:
-    """Gives nodes of a whole path of `total` coordinate length; between zones s runs as g does."""
-    even = {"after": 1.0, "before": 1.0, "bend_after": 0.0, "bend_before": 0.0}
-    g: list[FloatArray] = [np.zeros(1)]
-    parts: dict[str, list[FloatArray]] = {name: [] for name in ("way", *even)}
-    nothing = np.empty(0)
-    for corner in [*corners, _CornerNodes(np.array([total]), nothing, nothing, nothing, nothing, nothing)]:
-        gap = corner.g[0] - g[-1][-1]
-        joined = gap < 1e-12 * max(total, 1.0)  # where two zones meet, or one begins with the path, there is no straight stretch between
-        g.append(corner.g[1:] if joined else corner.g)
-        for name, found in parts.items():
-            values = getattr(corner, name)
-            found.append(values if joined else np.append(even.get(name, gap), values))
-    return _CornerNodes(np.concatenate(g), **{name: np.concatenate(found) for name, found in parts.items()})
-
-
-def _quintic(x: FloatArray, y: FloatArray, after: FloatArray, before: FloatArray, bend_after: FloatArray, bend_before: FloatArray) -> PPoly:
-    """Gives the piecewise quintic through (x, y) (N,); slopes and bends (N - 1,) after the begins and before the ends of intervals."""
-    h = np.diff(x)
-    rest = np.diff(y) - h * (after + h * bend_after / 2)
-    slope, bend = before - after - h * bend_after, bend_before - bend_after
-    c3 = 10 * rest / h**3 - 4 * slope / h**2 + bend / (2 * h)
-    c4 = -15 * rest / h**4 + 7 * slope / h**3 - bend / h**2
-    c5 = 6 * rest / h**5 - 3 * slope / h**4 + bend / (2 * h**3)
-    return PPoly(np.stack([c5, c4, c3, bend_after / 2, after, y[:-1]]), x)
 
 
 def _runs(by_joints: BoolArray, tools: list[RigidTransform], leg_of: IndexArray) -> list[IndexArray]:
