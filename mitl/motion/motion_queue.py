@@ -9,8 +9,9 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from mitl.motion.chain import Planner, StartTooFastError
+from mitl.motion.chain import Planner
 from mitl.motion.moves import PlannedMove
+from mitl.motion.pace import StartTooFastError
 from mitl.motion.record import MotionRecord
 from mitl.motion.segments import CannotGoOnError, Queued, Rest, Segment, braked, taken_over
 from mitl.motion.trigger_times import PREFETCH, passed_time, release_time, trigger_time, zone_time

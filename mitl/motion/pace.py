@@ -18,10 +18,9 @@ from mitl.paths import BoolArray, FloatArray
 
 _MOST_NEWTON_STEPS = 50
 _REACHED = 1e-12
-_ROUNDED = 1e-6
-"""Share by which a start may be too fast by rounding alone."""
-_WEAKENED = 0.02
-"""The same where drives weaken with speed: how much is only known to some digits."""
+_ALIKE = 0.02
+"""Share by which x may be too great at a start: grids of the same stretch differ, and how drives weaken is known to some digits."""
+_STILL = 1e-12
 _ON_A_NODE = 1e-9
 """Distance in m from a node that counts as none."""
 _SPLIT = 1.01
@@ -50,7 +49,7 @@ def fastest(limits: Limits, stops: Sequence[int], position: float, speed: float,
     for turn in range(passes):
         planes = slowing(limits.half_planes(x).between(first, last, float(nodes[first] - position)), speed**2)
         most = controllable(planes, ahead)
-        if turn == passes - 1 and speed**2 > most[0] * (1 + (_ROUNDED if passes == 1 else _WEAKENED)):
+        if turn == passes - 1 and speed**2 > most[0] * (1 + _ALIKE) + _STILL:
             raise StartTooFastError(f"{speed:.6g} m/s at the start, at most {np.sqrt(most[0]):.6g} m/s is possible")
         found = reached(planes, most, speed**2)
         x = np.concatenate([limits.ceiling[: first - 1], found])

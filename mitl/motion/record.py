@@ -1,7 +1,8 @@
 """MotionRecord: what an arm has been told to do so far, in time: planned, and as the arm and the controller's report follow it.
 
-The views but the plan are made at ticks from 0 on: the path coordinate lags, then joints pass the filters. Invariant: what has been
-recorded up to (the newest chain's start - half a filter) never changes again.
+The views but the plan are made at ticks from 0 on: the path coordinate lags, then joints pass the filters. The plan's clock runs late
+by the lag, so that at an even speed the arm is where the plan is. Invariant: what has been recorded up to (the newest chain's start -
+half a filter) never changes again.
 """
 
 from __future__ import annotations
@@ -91,8 +92,8 @@ class MotionRecord:
 
     @property
     def half_filter(self) -> float:
-        """Gives how long in s the arm moves before the plan does, and after the lagged plan."""
-        return float(self.model.arm_windows.sum() / 2)
+        """Gives how long in s the arm moves before the plan does: half its filters and the lag, by which the plan's clock runs late."""
+        return float(self.model.arm_windows.sum() / 2) + self.model.path_lag
 
     @property
     def end(self) -> float:
@@ -101,7 +102,7 @@ class MotionRecord:
             return 0.0
         newest, lag = self.chains[-1], self.model.path_lag
         left = float(newest.behind_at(np.array([newest.end]), lag)[0])
-        return newest.end + lag * max(math.log(max(left, 1e-300) / _SETTLED), 0.0) + self.half_filter
+        return newest.end + lag * max(math.log(max(left, 1e-300) / _SETTLED) - 2, -1.0) + self.half_filter
 
     @property
     def joints_planned_last(self) -> FloatArray:
@@ -145,7 +146,7 @@ class MotionRecord:
         if self.chains and self.chains[-1].end > start:
             cut = self.chains[-1]
             self.chains[-1] = replace(cut, chain=replace(cut.chain, timing=cut.chain.timing.until(start - cut.start)))
-        self._followed = self._followed[: max(self._first_tick(start), 1)]
+        self._followed = self._followed[: max(self._first_tick(start - self.model.path_lag), 1)]
 
     def joints_at(self, time: float, view: View = View.TOOL) -> FloatArray:
         """Gives the joints (6,) rad at `time` s as the arm follows, by cubic interpolation between ticks."""
@@ -223,10 +224,11 @@ class MotionRecord:
 
     def _extend(self, scheduled: ScheduledChain) -> None:
         """Samples a chain at the ticks along the lagged path, the former one's rest before it, and filters what has become new."""
-        first, beyond = self._first_tick(scheduled.start), self._first_tick(scheduled.end + _TAIL * self.model.path_lag) + 1
+        lag = self.model.path_lag
+        first, beyond = self._first_tick(scheduled.start - lag), self._first_tick(scheduled.end + _TAIL * lag) + 1
         rest = np.repeat(self._followed[-1:], max(first - len(self._followed), 0), axis=0)
         ticks: FloatArray = TICK * np.arange(first, beyond, dtype=np.float64)
-        s = scheduled.chain.timing.at(ticks - scheduled.start)[0] - scheduled.behind_at(ticks, self.model.path_lag)
+        s = scheduled.chain.timing.at(ticks + lag - scheduled.start)[0] - scheduled.behind_at(ticks + lag, lag)
         sampled = np.empty((len(s), 6))
         todo, index = np.arange(len(s)), len(self.chains) - 1
         while len(todo):  # what lags may still be on the path of former chains

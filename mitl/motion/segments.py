@@ -123,15 +123,12 @@ class CannotGoOnError(MitlError):
 
 
 def taken_over(segment: Segment, time: float) -> tuple[float, int, Start]:
-    """Gives when in s, at or after `time`, a new plan can take a segment over, the first move's index in it, and where that begins.
+    """Gives when in s a new plan can take a segment over, `time` itself, the first move's index in it, and where that begins.
 
     Raises CannotGoOnError.
     """
-    timing = segment.chain.timing
-    here = timing.at(np.array([time - segment.start]))[0]
-    calm = timing.calm_from(float(here[0]))
-    if calm is None:
-        raise CannotGoOnError("no instant of even speed to go on from")
-    calm = max(calm, time - segment.start)
-    index, begin = segment.chain.start_at(calm)
-    return segment.start + calm, index, replace(begin, ahead=timing.humps_beyond(calm))
+    since = time - segment.start
+    if since >= segment.chain.timing.duration:
+        raise CannotGoOnError("it stands there already")
+    index, begin = segment.chain.start_at(since)
+    return time, index, begin

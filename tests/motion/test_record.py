@@ -11,6 +11,7 @@ from mitl.motion.robot_model import load_robot_model
 from rapid_interp import load_text
 
 BETWEEN_TICKS = 2e-5  # rad: two cubics through the same ticks, at the greatest acceleration; the fourth difference over 100
+RINGING = 2e-8  # rad: of the spline through ticks on which the averages are taken
 MODEL = load_robot_model("irb140")
 
 
@@ -34,17 +35,17 @@ def test_on_ticks_the_planned_view_is_the_plan_itself(corner):
 def test_all_views_begin_and_end_together_in_the_same_places(corner):
     for view in View:
         begin, end = corner.record.joints(np.array([0.0, corner.record.end + 0.1]), view)
-        assert begin == pytest.approx(joints_home(), abs=1e-9)
+        assert begin == pytest.approx(joints_home(), abs=RINGING)
         assert end == pytest.approx(corner.record.joints_planned_last, abs=1e-9)
 
 
 def test_the_tool_moves_before_and_after_the_plan_by_half_the_filter(corner):
     start = corner.record.chains[0].start
     half = corner.record.half_filter
-    assert half == pytest.approx(MODEL.arm_windows.sum() / 2)
+    assert half == pytest.approx(MODEL.arm_windows.sum() / 2 + MODEL.path_lag)
     home = joints_home()
     early, moving = corner.record.joints(np.array([start - half - TICK, start - half / 4]), View.TOOL)
-    assert np.abs(early - home).max() < 1e-9
+    assert np.abs(early - home).max() < RINGING
     assert np.abs(moving - home).max() > 1e-9
 
 
