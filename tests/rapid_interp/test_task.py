@@ -179,3 +179,45 @@ def test_an_effect_has_every_argument_of_its_instruction(program):
     assert (move.duration, move.zone_mm, move.tcp_speed) == (3.0, 2.0, None)
     assert (move.wobj.uframe.trans, move.wobj.oframe.trans) == (Pos(7, 0, 0), Pos(0, 8, 0))
     assert move.at == fx.SourceLine("m", "main", "<text>", 5)
+
+
+SAVED = """! before
+MODULE kept
+  PERS num count := 1; ! a comment
+  PERS pos place;
+  PERS string same := "as it was";
+  LOCAL PERS num list{2} := [1, 2];
+  VAR num passing := 3;
+  PROC main()
+    count := count + 1;
+    place := [1, 2.5, 3];
+    list{2} := 7;
+    passing := 4;
+  ENDPROC
+ENDMODULE
+! after
+"""
+
+
+def test_persistent_data_are_written_back_into_the_text_as_it_was():
+    task = load_text(SAVED, "kept.mod").start()
+    assert task.saved() == {}
+    list(task.run())
+    (text,) = task.saved().values()
+    expected = SAVED.replace("count := 1;", "count := 2;").replace("PERS pos place;", "PERS pos place := [1,2.5,3];")
+    assert text == expected.replace("[1, 2]", "[1,7]")
+    assert load_text(text).start().literal("place") == "[1,2.5,3]"
+
+
+@pytest.mark.parametrize(
+    "body",
+    ["n := w;", "n := Abs(w);", "Incr w;", "WaitTime w;", "IF w Stop;", "n := list{w};", "RAISE w;", "%w%;", "takes w;", "changes w;"],
+)
+def test_a_value_of_a_type_that_is_not_known_is_an_error_where_another_is_needed(program, body):
+    more = """VAR weavedata w; VAR num n; VAR num list{3};
+PROC takes(num x)
+ENDPROC
+PROC changes(INOUT num x)
+ENDPROC"""
+    with pytest.raises(RapidError, match="not known"):
+        list(program(body, more).start().run())
