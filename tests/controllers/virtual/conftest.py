@@ -141,3 +141,19 @@ def another(service):
     else:
         assert client("GET", "/rw/panel/opmode").status == 200
     return client
+
+
+@pytest.fixture
+def services(make):
+    """Gives a function that gives one service and client of each generation; a client that was logged out comes back."""
+    known = {}
+
+    def found(generation):
+        if generation not in known:
+            known[generation] = make(generation)
+        service, client = known[generation]
+        if client("GET", "/rw/panel/opmode").status == 401:
+            known[generation] = service, another(service)
+        return known[generation]
+
+    return found
