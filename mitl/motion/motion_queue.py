@@ -263,9 +263,10 @@ class MotionQueue:
         lead, onward = segment.moves[: segment.under_way], segment.moves[segment.under_way :]
         self.record.cancel(segment.start)
         former = self._segments[-1] if self._segments else None
-        onward = tuple(queued for queued in onward if former is None or former.index_of(queued) is None)
+        if former is not None and segment.begin is not None and segment.begin.speed > 0:  # it would have carried the former one on
+            onward = tuple(queued for queued in onward if former.index_of(queued) is None)
         self._waiting[:0] = onward
-        if former is None and segment.begin is not None:
+        if segment.begin is not None and segment.begin.speed == 0:
             self._rest = Rest(lead, onward, segment.begin, self.record.joints_planned_last)
 
     def _time_events(self, now: float) -> None:
