@@ -162,15 +162,6 @@ def test_stopmove_and_startmove_in_a_trap(prepared):
     assert planned(run, run.record.end)[0][0] == pytest.approx([0.45, 0.2, 0.4], abs=EXACT)
 
 
-@pytest.mark.parametrize("when", [0.9, 1.6])
-def test_a_trap_that_stops_the_arm_as_it_is_just_going_on_loses_no_move(prepared, when):
-    lines = ["CONNECT i1 WITH noted;", "ITimer 0.37,i1;", *FIGURE, "IDelete i1;"]
-    run = stop_and_go(prepared(*lines, trap="StopMove; WaitTime 0.2; StartMove;"), when, rest=0.7)
-    assert run.finished
-    assert planned(run, run.record.end)[0][0] == pytest.approx([0.45, 0.2, 0.4], abs=EXACT)
-    assert len(run.record.moves) == 5
-
-
 def test_storepath_lets_a_trap_move_elsewhere_and_come_back(prepared):
     run = prepared(
         "CONNECT i1 WITH noted;", "ISignalDI diGo,1,i1;", END, 'TPWrite "there";',
