@@ -20,7 +20,7 @@ PROBE = np.array([0.0, 0.0, 0.05])
 """p_FT of the 50 mm tool tProbe50 in atc_0.mod, m."""
 _POINTS = {1: "origin", 2: "300 mm along X", 3: "300 mm along Y", 4: "300 mm along Z"}
 _TURNS = 32
-_ROUNDS = 1
+_ROUNDS = 2
 """With preset thesis every other run is repeated, because one round of turns leaves the verdict open."""
 
 
