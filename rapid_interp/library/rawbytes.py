@@ -63,6 +63,8 @@ def _pack(
     kind, value = typed
     raw: bytes = data.get()
     place = _place(raw, start, last=len(raw) + 1)
+    if kind not in (NUM, DNUM, STRING):
+        raise _wrong(f"PackRawBytes takes a number or a string, not {kind.name}")
     try:
         if ascii_:
             packed = value.encode(_CODE) if kind is STRING else bytes([int(value)])

@@ -66,6 +66,8 @@ MODULE rawbytes
     ! => wrong
     UnpackRawBytes raw, 16, n \Float4;
     ! => wrong
+    PackRawBytes p, raw, 1 \Hex1;
+    ! => wrong
   ERROR
     TEST ERRNO
     CASE ERR_RCVDATA: TPWrite "no such data";
