@@ -64,6 +64,12 @@ class Position:
         self._planner = planner
         self._record = record
 
+    def _joints(self, now: float) -> FloatArray:
+        """Gives the reported joints (6,) rad; once the plan has ended, while the arm settles, those that it settles at."""
+        chains = self._record.chains
+        stopped = bool(chains) and chains[-1].end <= now
+        return self._record.joints_at(max(now, self._record.end) if stopped else now, View.CONTROLLER)
+
     def answer(
         self, question: effects.ReadTarget | effects.ReadJoints | effects.SolveForward | effects.SolveInverse, now: float,
         last: effects.Motion | None, displacement: data.Pose | None,
@@ -71,11 +77,11 @@ class Position:
         """Gives the answer at `now` s. last: the last motion given, whose tool and work object hold. displacement: PDisp, if any."""
         match question:
             case effects.ReadJoints():
-                return data.JointTarget(_robjoint(self._record.joints_at(now, View.CONTROLLER)), _NO_AXES)
+                return data.JointTarget(_robjoint(self._joints(now)), _NO_AXES)
             case effects.ReadTarget():
                 tool = question.tool or (last.tool if last else data.ToolData())
                 wobj = question.wobj or (last.wobj if last else data.WObjData())
-                return self._target(self._record.joints_at(now, View.CONTROLLER), tool, wobj, displacement)
+                return self._target(self._joints(now), tool, wobj, displacement)
             case effects.SolveForward():
                 return self._target(bridge.joints_of(question.joints), question.tool, question.wobj, displacement)
             case effects.SolveInverse():

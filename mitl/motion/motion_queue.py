@@ -136,7 +136,8 @@ class MotionQueue:
         """Gives the time in s at which the program goes on after a stop at the end of a move.
 
         ASSUMPTION A-133: that is half a filter before the next move's plan could begin, so that the measured pause of a fine point is kept
-        and nothing moves before it is told to; the tool is within 10 um of its place by then.
+        and nothing moves before it is told to; the tool is .05 to .4 mm short of its place then
+        (IRB 6640 and IRB 140, v50 to v1000).
         """
         found = self._found(move)
         if found is None:

@@ -17,15 +17,19 @@ if TYPE_CHECKING:
     from rapid_interp.running.task import Stepper
 
 
+def _signal_variable(target: tuple[RapidType, Reference]) -> Reference:
+    kind, variable = target
+    if not kind.name.startswith("signal"):
+        raise Fault(f"an alias needs a signal variable, found {kind.name}", "RAPID-R320", number=error_number("ERR_ALIASIO_TYPE"))
+    return variable
+
+
 def _alias(source: Value, target: tuple[RapidType, Reference]) -> None:
-    name = signal_name(source)
-    if not target[0].name.startswith("signal"):
-        raise Fault(f"AliasIO needs a signal variable, found {target[0].name}", "RAPID-R320", number=error_number("ERR_ALIASIO_TYPE"))
-    target[1].put(name)
+    _signal_variable(target).put(signal_name(source))
 
 
 def _forget(target: tuple[RapidType, Reference]) -> None:
-    target[1].put("")
+    _signal_variable(target).put("")
 
 
 def _valid(at: SourceLine, signal: Value) -> Effects:

@@ -13,7 +13,7 @@ from rapid_interp.data import LoadData, ToolData, WObjData
 from rapid_interp.effects import SourceLine
 from rapid_interp.library.table import Effects, LibraryRoutine, number_told, record_told, text_told
 from rapid_interp.meaning.types import RapidType, Value
-from rapid_interp.running.values import Fault, Reference, to_record
+from rapid_interp.running.values import Fault, Reference, error_number, to_record
 
 if TYPE_CHECKING:
     from rapid_interp.running.task import Stepper
@@ -46,9 +46,19 @@ def _active(task: Stepper, unit: str) -> bool:
 
 
 def _next_unit(
-    number: Reference, name: Reference, unit: Reference | None, robot: Reference | None, axes: Reference | None, *_: Value
+    number: Reference,
+    name: Reference,
+    mec_ref: tuple[RapidType, Reference] | None,
+    robot: Reference | None,
+    axes: Reference | None,
+    *_: Value,
 ) -> bool:
     """The robot is the only mechanical unit that a program sees."""
+    unit = None
+    if mec_ref is not None:
+        kind, unit = mec_ref
+        if kind.name != "mecunit":
+            raise Fault(f"\\MecRef of GetNextMechUnit is a mecunit, found {kind.name}", "RAPID-R356", number=error_number("ERR_ARGVALERR"))
     if number.get() != 0:
         return False
     number.put(1.0)
@@ -119,7 +129,7 @@ ROUTINES = (
     LibraryRoutine(
         r"FUNC bool GetNextMechUnit(INOUT num ListNumber, INOUT string UnitName \INOUT anydata MecRef \INOUT bool TCPRob"
         r" \INOUT num NoOfAxes \INOUT num MecTaskNo \INOUT num MotPlanNo \INOUT bool Active \INOUT num DriveModule \INOUT num OKToDeact)",
-        lambda number, name, unit, *rest: _next_unit(number, name, unit and unit[1], *rest),
+        _next_unit,
     ),
     LibraryRoutine(
         r"PROC GetSysData(\taskid TaskRef | string TaskName, INOUT anydata DestObject \INOUT string ObjectName)",

@@ -13,7 +13,7 @@ from rapid_interp.data import JointTarget, Pos
 from rapid_interp.effects import SourceLine
 from rapid_interp.library.signals import signal_name
 from rapid_interp.library.table import Effects, LibraryRoutine
-from rapid_interp.meaning.types import Value
+from rapid_interp.meaning.types import RapidType, Value
 from rapid_interp.running.values import Fault, Reference, error_number, to_record
 
 if TYPE_CHECKING:
@@ -72,7 +72,9 @@ def _limits(inside: bool, outside: bool, shape: Reference, low: Value, high: Val
     shape.put(fx.JointShape(_joints(low), _joints(high), inside or not outside))
 
 
-def _defined(task: Stepper, zone: tuple[object, Reference], shape: Value) -> int:
+def _defined(task: Stepper, zone: tuple[RapidType, Reference], shape: Value) -> int:
+    if zone[0].name not in ("wztemporary", "wzstationary"):
+        raise _wrong(f"a world zone is kept in a wztemporary or wzstationary, not in {zone[0].name}")
     if shape is None:
         raise _wrong("the shape of the world zone has not been defined")
     if zone[1].get():
@@ -84,12 +86,12 @@ def _defined(task: Stepper, zone: tuple[object, Reference], shape: Value) -> int
     return task.zones
 
 
-def _supervise(task: Stepper, at: SourceLine, _temp: bool, stationary: bool, zone: tuple[object, Reference], shape: Value) -> Effects:
+def _supervise(task: Stepper, at: SourceLine, _temp: bool, stationary: bool, zone: tuple[RapidType, Reference], shape: Value) -> Effects:
     yield fx.SuperviseZone(at, _defined(task, zone, shape), shape, stationary=stationary)
 
 
 def _output(
-    task: Stepper, at: SourceLine, _temp: bool, stationary: bool, zone: tuple[object, Reference], _inside: bool, before: bool,
+    task: Stepper, at: SourceLine, _temp: bool, stationary: bool, zone: tuple[RapidType, Reference], _inside: bool, before: bool,
     shape: Value, signal: Value, value: float,
 ) -> Effects:  # fmt: skip
     number = _defined(task, zone, shape)

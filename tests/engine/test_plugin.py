@@ -48,6 +48,7 @@ def test_a_nominal_robot_passes_and_the_recording_holds_the_run(cases):
         "results.json",
         "junit.xml",
         "report.html",
+        "replay.html",
         "line_straight.mcap",
         "calibration.toml",
         "calibration.mcap",

@@ -97,7 +97,7 @@ class Bench:
         time.sleep(0.1)
         resting = self.joints()
         time.sleep(0.2)
-        np.testing.assert_array_equal(self.joints(), resting)
+        np.testing.assert_allclose(self.joints(), resting, atol=1e-9)  # rounding of radians and degrees
         assert 0.5 < resting[0] < degrees - 1.0
 
     def close(self):
