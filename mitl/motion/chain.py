@@ -92,14 +92,10 @@ class Planner:
         """Gives the leg of one instruction that begins at joints q_start (6,) rad. Raises MotionError where it cannot be moved as told."""
         return self._moves.plan(effect, q_start, settings)
 
-    def plan_chain(
-        self, moves: Sequence[PlannedMove], *, speed_ratio: float = 1.0, start: Start | None = None, going_on: bool = False
-    ) -> Chain:
+    def plan_chain(self, moves: Sequence[PlannedMove], *, speed_ratio: float = 1.0, start: Start | None = None) -> Chain:
         """Gives the timed chain of moves, to rest, from rest at its beginning or from `start` on its way.
 
-        going_on: more moves will follow, so the plan ends where the last corner is left: from any instant of it a plan of more moves can
-        go on without a seam, whatever they are. Raises MotionError where a corner cannot be passed, StartTooFastError where `start`
-        leaves no way to go on.
+        Raises MotionError where a corner cannot be passed, StartTooFastError where `start` leaves no way to go on.
         """
         path = Path(self.arm, [move.leg for move in moves], [_fitted(*pair) for pair in itertools.pairwise(moves)])
         if path.length == 0:
@@ -109,8 +105,7 @@ class Planner:
         limits = limits_of(path, grid, [move.speed for move in moves], [move.dynamics for move in moves], self.model, speed_ratio)
         self._refuse_singular(moves, grid, limits)
         position = 0.0 if start is None else float(path.leg_ends()[start.leg]) + start.position
-        end = int(np.searchsorted(grid.nodes, path.zone_ends()[-2] - 1e-9)) if going_on else None
-        timing = fastest(limits, _kinks(grid).tolist(), position, 0.0 if start is None else start.speed, end)
+        timing = fastest(limits, _kinks(grid).tolist(), position, 0.0 if start is None else start.speed)
         if timing.duration > _LONGEST:
             slowest = moves[int(np.argmax(np.diff(timing.times_at(path.leg_ends()))))]
             raise refusal(slowest.effect, f"the moves up to the next stop would take {timing.duration:.3g} s, more than {_LONGEST:g} s")

@@ -13,14 +13,12 @@ from dataclasses import dataclass
 class Dynamics:
     """Settings of one move.
 
-    acceleration: share 0..1 of the joints' limits (AccSet Acc). ramp, fine_point_ramp: shares 0..1 of the acceleration's rate of change,
-    the latter before stop points (AccSet Ramp, FinePointRamp). path_acceleration, path_deceleration: most m/s^2 of the TCP along the
-    path, inf where there is no limit (PathAccLim).
+    acceleration: share 0..1 of the joints' limits (AccSet Acc). path_acceleration, path_deceleration: most m/s^2 of the TCP along the
+    path, inf where there is no limit (PathAccLim). AccSet's Ramp and FinePointRamp change nothing: the plan has no limit on jerk that
+    they could take a share of, the filters behind it make the ramps. ASSUMPTION A-116.
     """
 
     acceleration: float = 1.0
-    ramp: float = 1.0
-    fine_point_ramp: float = 1.0
     path_acceleration: float = math.inf
     path_deceleration: float = math.inf
 

@@ -33,14 +33,14 @@ class StartTooFastError(MitlError):
     """A chain that begins on its way would have to be slower there than it is; the plan so far, to a stop, still holds."""
 
 
-def fastest(limits: Limits, stops: Sequence[int], position: float, speed: float, end: int | None = None) -> Timing:
-    """Gives the fastest timing from a path position in m and a speed in m/s there to rest at the node `end`, or the path's.
+def fastest(limits: Limits, stops: Sequence[int], position: float, speed: float) -> Timing:
+    """Gives the fastest timing from a path position in m and a speed in m/s there to rest at its end.
 
     stops: nodes in between at which it comes to rest. Raises StartTooFastError where the path cannot be gone on with at that speed.
     """
     nodes = limits.grid.nodes
     first = int(np.searchsorted(nodes, position + _ON_A_NODE))  # the first node beyond
-    last = len(nodes) - 1 if end is None else end
+    last = len(nodes) - 1
     if first > last:
         return standing(position)
     ahead = [stop - first + 1 for stop in stops if first <= stop <= last]

@@ -144,12 +144,6 @@ class Path:
             x = way * self._scale[index]
         return float(self._s_of_g(self._begins[index] + min(x, leg.length)))
 
-    def zone_ends(self) -> FloatArray:
-        """Gives the path coordinates (legs + 1,) in m at which the zones about the programmed points end; the points where none is."""
-        radius = np.array([0.0, *(corner.radius for corner in self.corners), 0.0])
-        scale = np.append(self._scale, 0.0)
-        return np.asarray(self._s_of_g(self._begins + radius * scale))
-
     def sample(self, s: FloatArray) -> Sample:
         """Gives the path at ascending coordinates s (N,) in m. Joints are NaN where a pose is out of reach."""
         leg_of, x = self._locate(s)

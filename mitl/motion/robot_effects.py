@@ -92,8 +92,7 @@ class RobotEffects:
             case effects.SetVelocity():
                 self._velocity = _Velocity(effect.override / 100, effect.max_tcp)
             case effects.SetAcceleration():
-                shares = effect.acceleration / 100, effect.ramp / 100, effect.fine_point_ramp / 100
-                self._dynamics = replace(self._dynamics, acceleration=shares[0], ramp=shares[1], fine_point_ramp=shares[2])
+                self._dynamics = replace(self._dynamics, acceleration=effect.acceleration / 100)
             case effects.LimitPathAcceleration():
                 most = (math.inf if limit is None else limit for limit in (effect.acceleration, effect.deceleration))
                 acceleration, deceleration = most

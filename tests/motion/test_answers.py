@@ -112,7 +112,7 @@ def test_accset_and_pathacclim_go_with_the_moves(told):
     _, run = told(START, "AccSet 50,60;", r"PathAccLim TRUE\AccMax:=2,TRUE\DecelMax:=1;", END)
     before, after = (executed.move.dynamics for executed in run.record.moves)
     assert (before.acceleration, before.path_acceleration) == (1, np.inf)
-    assert (after.acceleration, after.ramp, after.path_acceleration, after.path_deceleration) == (0.5, 0.6, 2, 1)
+    assert (after.acceleration, after.path_acceleration, after.path_deceleration) == (0.5, 2, 1)
 
 
 def test_waitdi_in_time_and_too_late(told):
