@@ -62,6 +62,15 @@ class HalfPlanes:
         ceiling = self.ceiling[node - 1 : last + 1]
         return HalfPlanes(self.along[kept], self.across[kept], self.up[kept], self.down[kept], ceiling, widths)
 
+    def halved(self, intervals: IndexArray) -> HalfPlanes:
+        """Gives the half-planes with some intervals (K,) cut in their middles, where the lower of their ends' ceilings holds."""
+        times = np.ones(len(self.widths), dtype=np.intp)
+        times[intervals] = 2
+        rows = np.repeat(np.arange(len(times)), times)
+        middles = np.minimum(self.ceiling[intervals], self.ceiling[intervals + 1])
+        ceiling = np.insert(self.ceiling, intervals + 1, middles)
+        return HalfPlanes(self.along[rows], self.across[rows], self.up[rows], self.down[rows], ceiling, (self.widths / times)[rows])
+
     def even(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Gives rise, fall, lean (N, S R) for an even u in an interval with x at its begin: -fall - lean x <= u <= rise - lean x."""
         across = self.across

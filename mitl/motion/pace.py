@@ -13,6 +13,7 @@ import numpy as np
 
 from mitl.errors import MitlError
 from mitl.motion.limits import HalfPlanes, Limits
+from mitl.motion.path import IndexArray
 from mitl.motion.timing import Timing, standing
 from mitl.paths import BoolArray, FloatArray
 
@@ -43,16 +44,20 @@ def fastest(limits: Limits, stops: Sequence[int], position: float, speed: float)
     last = len(nodes) - 1
     if first > last:
         return standing(position)
-    ahead = [stop - first + 1 for stop in stops if first <= stop <= last]
+    ahead = np.array([stop - first + 1 for stop in stops if first <= stop < last], dtype=np.intp)
+    rests = np.concatenate([[0] if speed == 0 else [], ahead, [last - first + 1]]).astype(np.intp)
+    tight = rests[:-1][np.diff(rests) == 1]  # from rest to rest in one interval: without a middle it would never be left
+    ahead = ahead + np.searchsorted(tight, ahead)
     x = limits.ceiling[: last + 1]
     passes = 1 if limits.model.effort.even else _PASSES
     for turn in range(passes):
-        planes = slowing(limits.half_planes(x).between(first, last, float(nodes[first] - position)), speed**2)
+        planes = limits.half_planes(x).between(first, last, float(nodes[first] - position)).halved(tight)
+        planes = slowing(planes, speed**2)
         most = controllable(planes, ahead)
         if turn == passes - 1 and speed**2 > most[0] * (1 + _ALIKE) + _STILL:
             raise StartTooFastError(f"{speed:.6g} m/s at the start, at most {np.sqrt(most[0]):.6g} m/s is possible")
         found = reached(planes, most, speed**2)
-        x = np.concatenate([limits.ceiling[: first - 1], found])
+        x = np.concatenate([limits.ceiling[: first - 1], np.delete(found, tight + np.arange(1, len(tight) + 1))])
     return timed(planes, position, found)
 
 
@@ -71,7 +76,7 @@ def slowing(planes: HalfPlanes, x: float) -> HalfPlanes:
     return replace(planes, ceiling=ceiling)
 
 
-def controllable(planes: HalfPlanes, stops: Sequence[int] = ()) -> FloatArray:
+def controllable(planes: HalfPlanes, stops: Sequence[int] | IndexArray = ()) -> FloatArray:
     """Gives the greatest x = s'^2 (N+1,) at the nodes from which the path can be followed to rest at its end and at nodes `stops`."""
     rise, fall, lean = planes.even()
     ceiling = planes.ceiling.copy()

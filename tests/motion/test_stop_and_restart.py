@@ -85,7 +85,7 @@ def whole(prepared):
     return run
 
 
-@pytest.mark.parametrize("when", [1.6, 2.0, 2.3, 2.6, 3.1, 3.6])
+@pytest.mark.parametrize("when", [1.6, 2.0, 2.3, 2.6, 3.1, 3.6, 4.1])
 def test_wherever_it_is_stopped_also_in_zones_the_path_stays_the_same(prepared, whole, when):
     path = cKDTree(whole.record.planned_tcp(np.linspace(0, whole.record.end, 20000))[0])
     run = stop_and_go(prepared(*FIGURE), when)
