@@ -5,15 +5,19 @@ from __future__ import annotations
 import numpy as np
 
 from mitl.atc.measuring import timed
+from mitl.atc.verdicts import check_position
 from mitl.calibration.known_offset import refine_offset
 from mitl.calibration.time_offset import TimeOffset
 from mitl.engine import Bench, Check, case
+from mitl.metrics.line import line_deviation
 from mitl.metrics.stillness import standstill_after
 from mitl.metrics.uncertainty import Budget, Term
 
 WAIT_LIMIT = 25e-3
 STOP_LIMIT = 0.2
 STOPS = 10
+PATH_LIMIT = 5e-3
+RESTARTS = 3
 _NOISE = 4e-3
 """Standard uncertainty in s of a moment of standstill: the noise of two positions over a deceleration of 15 m/s^2, and one sample."""
 _WAITS = (0.3, 1.0, 2.0)
@@ -66,3 +70,29 @@ def test_stop(bench: Bench, check: Check) -> None:
         times.append(standstill_after(run.tool, run.called))
     check("longest time to standstill", value=1e3 * max(times), limit=1e3 * STOP_LIMIT, unit="ms", uncertainty=1e3 * _NOISE)
     check.message("info", f"standstill after {1e3 * float(np.mean(times)):.0f} ms on average, {1e3 * min(times):.0f} ms at least")
+
+
+@case(
+    "atc-6/restart",
+    title="Restart",
+    purpose="Three times a motion along a line is stopped and started again.",
+    requirement="The motion continues on its path.",
+    limit_source="thesis 3.4.3.3: 5 mm",
+    program="atc_6.mod",
+    catches=("resume-offset",),
+    typical_s=40.0,
+)
+def test_restart(bench: Bench, check: Check) -> None:
+    """The distance from the line after the restart, and the way that the tool has gone by then."""
+    moments = np.random.default_rng([bench.rig.seed, 66]).uniform(2.0, 5.0, RESTARTS)
+    for number, after in enumerate(moments, start=1):
+        with check.subtest(f"restart {number}"):
+            run = bench.run_stopped(2, after=float(after), variables={"speed": "200"}, name=f"restart {number}", resume_for=2.5)
+            assert run.restarted is not None
+            line = next(move for move in bench.last_oracle.moves if move.kind == "MoveL")
+            path = run.tool.between(run.restarted + 0.3, run.restarted + 2.3)
+            across = line_deviation(path.position, line.start[:3], line.end[:3])
+            check_position(bench, check, "distance from the line", path, across.across, PATH_LIMIT)
+            gone = float(np.ptp(across.along))
+            noise = Budget((Term("random", 1e-3, "noise of two positions"),))
+            check("way gone on", value=1e3 * gone, limit=150.0, unit="mm", at_least=True, budget=noise)

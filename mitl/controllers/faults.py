@@ -29,6 +29,7 @@ class FaultKind:
 
     One of these says what it does, given its size: a filter of effects, a law of turning, another robot model, a way to play the plan
     back, or by how much the arm's axes are off. stop_delay: seconds by which one unit of it delays a stop.
+    resume_offset: rad by which one unit of it puts axis 1 off after a restart.
     """
 
     name: str
@@ -42,6 +43,7 @@ class FaultKind:
     make_playback: Callable[[float], Callable[[servo.Playback], servo.Playback]] | None = None
     make_offset: Callable[[float], servo.Offset] | None = None
     stop_delay: float = 0.0
+    resume_offset: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -124,6 +126,11 @@ def stop_delay(faults: Sequence[Fault]) -> float:
     return sum(max(fault.kind.stop_delay * fault.size, 0.0) for fault in faults)
 
 
+def resume_offset(faults: Sequence[Fault]) -> float:
+    """Gives by how many rad axis 1 is off after a restart."""
+    return sum(fault.kind.resume_offset * fault.size for fault in faults)
+
+
 def _late_orientation(share: float) -> OrientationLaw:
     late = min(max(share, 0.0), 0.99)
 
@@ -180,6 +187,7 @@ KINDS = {
         FaultKind("trigger-missing", "a share of the triggers does not come", "I/O", "share", 0.2, settings.trigger_missing),
         FaultKind("equip-lag-sign", "EquipLag acts the wrong way; a share of .5 ignores it", "I/O", "share", 1.0, settings.equip_lag_sign),
         FaultKind("stop-late", "the motion goes on for a while after a stop was called", "interpolator", "ms", 200.0, stop_delay=1e-3),
+        FaultKind("resume-offset", "axis 1 is off after a restart", "interpolator", "deg", 1.5, resume_offset=float(np.radians(1.0))),
         FaultKind("joint-limit-ignored", "axes may turn beyond their range", "planner", "deg", 30.0, make_model=wider_limits),
         FaultKind("speed-dip", "the speed sags in every zone", "interpolator", "per cent", 20.0, make_playback=servo.speed_dip),
         FaultKind("hiccup", "the motion halts within moves", "interpolator", "ms", 40.0, make_playback=servo.hiccup),

@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from mitl.controllers.faults import Fault, effect_filter, joint_offset, orientation_law, playback, robot_model, stop_delay
+from mitl.controllers.faults import Fault, effect_filter, joint_offset, orientation_law, playback, resume_offset, robot_model, stop_delay
 from mitl.errors import MotionError, RigError
 from mitl.motion.chain import Planner
 from mitl.motion.program_run import ProgramRun, joints_home
@@ -25,6 +25,8 @@ from rapid_interp.effects import SourceLine
 _RUNTIME_ERROR = 40000
 _MOTION_ERROR = 50000
 _INFORMATION = 10000
+_OFF_WITHIN = 0.2
+"""Seconds within which an arm that resumes in the wrong place gets there."""
 
 
 class SimulatedController:
@@ -38,6 +40,8 @@ class SimulatedController:
         self._faults = tuple(faults)
         self._playback = playback(faults)
         self._stop_delay = stop_delay(faults)
+        self._resume_offset = resume_offset(faults)
+        self._resumed_at = math.inf
         self._joint_offset = joint_offset(faults)
         self._planner = Planner(model, orientation_law=orientation_law(faults))
         self._clock: Clock | None = None
@@ -109,7 +113,10 @@ class SimulatedController:
 
     def joints_at(self, time: float) -> FloatArray:
         """Gives the joints (6,) rad of the arm at `time` s."""
-        return self._playback(self._record, time - self._origin) + self._joint_offset(time)
+        joints = self._playback(self._record, time - self._origin) + self._joint_offset(time)
+        if self._resume_offset:
+            joints[0] += self._resume_offset * min(max((time - self._resumed_at) / _OFF_WITHIN, 0.0), 1.0)
+        return joints
 
     # --- Controller ----------------------------------------------------------------------------------------------------------
 
@@ -125,6 +132,7 @@ class SimulatedController:
         except OSError as error:
             raise RigError(f"load refused: {error.filename}: {error.strerror or error}") from error
         rest = self._record.joints_at(math.inf)
+        self._resumed_at = math.inf
         self._origin = self._now()
         self._record = MotionRecord(self._model, rest)
         self._task = self._program.start()
@@ -144,6 +152,7 @@ class SimulatedController:
             if not self._run.resumable:
                 raise RigError("start refused: the program has ended; load it again")
             self._log(self._now(), _INFORMATION, "info", "program restarted")
+            self._resumed_at = min(self._resumed_at, self._now())
             self._watched(self._now(), lambda run: run.resume(now))
             return
         self._run = ProgramRun(

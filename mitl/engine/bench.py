@@ -50,10 +50,14 @@ class TrackedRun:
 
 @dataclass(frozen=True, eq=False)
 class StoppedRun:
-    """An order that was stopped on its way: X_OT of the tool on the tracker's clock, and when stop was called, on the same clock, in s."""
+    """An order that was stopped on its way: X_OT of the tool on the tracker's clock, and when stop was called, on the same clock, in s.
+
+    restarted: when start was called again, if it was.
+    """
 
     tool: PosePath
     called: float
+    restarted: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,11 +211,20 @@ class Bench:
         return []
 
     def run_stopped(
-        self, option: int, sub_option: int = 0, *, after: float, variables: Mapping[str, str] | None = None, name: str, settle: float = 0.7
+        self,
+        option: int,
+        sub_option: int = 0,
+        *,
+        after: float,
+        variables: Mapping[str, str] | None = None,
+        name: str,
+        settle: float = 0.7,
+        resume_for: float = 0.0,
     ) -> StoppedRun:
         """Gives the tracked motion of an order that is stopped `after` seconds, and `settle` seconds more.
 
-        The program is loaded again for what follows. Raises RigError where the controller stops before it is told to.
+        resume_for: seconds for which it is then started again and tracked on. The program is loaded again for what follows. Raises RigError
+        where the controller stops before it is told to, or refuses to go on.
         """
         oracle = self.oracle(option, sub_option, variables=variables)
         self.start()
@@ -221,21 +234,31 @@ class Bench:
         began = self.clock.now()
         self.controller.write("subOption", str(sub_option))
         self.controller.write("option", str(option))
-        self.clock.wait(after)
-        if self.controller.state() is ExecutionState.STOPPED:
-            raise RigError(f"the controller stopped by itself during option {option}{_last_events(self.controller)}")
+        self._go_on(option, after)
         called = self.clock.now()
         self.controller.stop()
         self._loaded = False
         self.clock.wait(settle)
+        restarted = self.clock.now() if resume_for > 0.0 else None
+        if restarted is not None:
+            self.controller.start()
+            self._go_on(option, resume_for)
+            self.controller.stop()
+            self.clock.wait(settle)
         raw = self.tracker.stop()
         tool = self.in_work_object(raw, oracle)
-        self._recorder.runs.append(
-            RecordedRun(name if self._recorder.round == 1 else f"{name} round {self._recorder.round}", raw, tool, None)
-        )
+        label = name if self._recorder.round == 1 else f"{name} round {self._recorder.round}"
+        self._recorder.runs.append(RecordedRun(label, raw, tool, None))
         if not len(tool):
             raise RigError(f"the tracker gave no valid pose during {name} ({len(raw)} samples): is it in view and awake?")
-        return StoppedRun(tool, float(raw.time[0]) + called - began)
+        first = float(raw.time[0]) - began
+        return StoppedRun(tool, first + called, None if restarted is None else first + restarted)
+
+    def _go_on(self, option: int, seconds: float) -> None:
+        """Lets the controller run. Raises RigError where it has stopped by itself meanwhile."""
+        self.clock.wait(seconds)
+        if self.controller.state() is ExecutionState.STOPPED:
+            raise RigError(f"the controller stopped by itself during option {option}{_last_events(self.controller)}")
 
     def _order(self, option: int, sub_option: int, variables: Mapping[str, str], timeout: float) -> float:
         """Gives an order and returns when it was given.
