@@ -140,6 +140,10 @@ class CartesianLeg:
         """Gives TCP positions (N, 3) in m at coordinates (N,)."""
         return self.curve.position(x * (self.travel / self.length if self.length > 0 else 0.0))
 
+    def coordinate(self, way: float) -> float:
+        """Gives the coordinate in m at which the TCP has come `way` m."""
+        return way * self.length / self.travel
+
     def share(self, x: FloatArray) -> FloatArray:
         """Gives the share (N,) of the leg that is done at coordinates (N,)."""
         return x / self.length if self.length > 0 else np.zeros_like(x)
@@ -164,6 +168,7 @@ class JointLeg:
     """MoveJ or MoveAbsJ: joints on a straight line from q_start to q_end (6,) rad.
 
     travel: the TCP's way in m, by quadrature. fastest, quickest: the TCP's greatest way in m, and turn in rad, per whole leg passed.
+    ways (K,) m: the TCP's way at even shares of the leg, from 0 to travel; None where it runs evenly.
     """
 
     q_start: FloatArray
@@ -172,6 +177,7 @@ class JointLeg:
     travel: float
     fastest: float
     quickest: float
+    ways: FloatArray | None = None
 
     @property
     def turning(self) -> float:
@@ -182,6 +188,12 @@ class JointLeg:
     def length(self) -> float:
         """Gives the range of the leg's coordinate in m."""
         return max(self.travel, TURNING_RADIUS * self.turning)
+
+    def coordinate(self, way: float) -> float:
+        """Gives the coordinate in m at which the TCP has come `way` m."""
+        if self.ways is None:
+            return way * self.length / self.travel
+        return self.length * float(np.interp(way, self.ways, np.linspace(0.0, 1.0, len(self.ways))))
 
     def joints_near(self, x: float) -> FloatArray:
         """Gives the joints (6,) in rad at a coordinate."""

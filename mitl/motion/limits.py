@@ -184,8 +184,7 @@ def _held_through_zones(cap: FloatArray, zone: IndexArray) -> FloatArray:
 
 def _tick_cap(path: Path, grid: Grid) -> FloatArray:
     """Gives the speed cap (N,) that makes every zone last at least one controller tick."""
-    widths = np.array([2 * corner.radius for corner in path.corners] + [np.inf])
-    return np.where(grid.zone >= 0, widths[grid.zone] / CONTROLLER_TICK, np.inf)
+    return np.where(grid.zone >= 0, np.append(path.zone_widths(), np.inf)[grid.zone] / CONTROLLER_TICK, np.inf)
 
 
 def _at_nodes(cap: FloatArray) -> FloatArray:

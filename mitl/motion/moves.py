@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.integrate import simpson
+from scipy.integrate import cumulative_simpson
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from mitl.motion import bridge
@@ -104,8 +104,8 @@ class MovePlanner:
         here, there = (self.arm.flange(q_start + s * (q_end - q_start)) * X_FT for s in (shares, shares + step))
         speeds = np.linalg.norm(there.translation - here.translation, axis=1) / step
         turns = (here.rotation.inv() * there.rotation).magnitude() / step
-        travel = float(simpson(speeds, dx=1 / _QUADRATURE))
-        return JointLeg(q_start, q_end, X_FT, travel, float(speeds.max()), float(turns.max()))
+        ways = np.maximum.accumulate(cumulative_simpson(speeds, dx=1 / _QUADRATURE, initial=0.0))
+        return JointLeg(q_start, q_end, X_FT, float(ways[-1]), float(speeds.max()), float(turns.max()), ways)
 
     def _end_of_joint_move(self, effect: effects.MoveJ, X_BF: RigidTransform, near: FloatArray, settings: MoveSettings) -> FloatArray:
         if len(self.arm.solutions(X_BF)) == 0:

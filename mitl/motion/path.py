@@ -65,7 +65,14 @@ class Path:
         self.legs = tuple(legs)
         self.corners = tuple(corners)
         self._begins = np.concatenate([[0.0], np.cumsum([leg.length for leg in self.legs])])
-        self._scale = np.array([leg.length / leg.travel if leg.travel > 0 else 0.0 for leg in self.legs])
+        self._into = np.ones(len(self.corners))
+        """m of coordinate of the leg before a corner per m of its TCP's way, over the zone; `_out_of`: of the leg behind it."""
+        self._out_of = np.ones(len(self.corners))
+        for index, corner in enumerate(self.corners):
+            if corner.radius > 0:
+                before, after = self.legs[index], self.legs[index + 1]
+                self._into[index] = (before.length - before.coordinate(before.travel - corner.radius)) / corner.radius
+                self._out_of[index] = after.coordinate(corner.radius) / corner.radius
         self._unevenness = np.zeros(len(self.corners))
         if self._begins[-1] < _SHORTEST_PIECE:  # moves to where the arm stands
             self.length = 0.0
@@ -88,12 +95,12 @@ class Path:
         legs: list[int] = []
         zones: list[int] = []
         for index, leg in enumerate(self.legs):
-            before = self.corners[index - 1] if index > 0 else Corner(0.0, 0.0)
-            after = self.corners[index] if index < len(self.corners) else Corner(0.0, 0.0)
-            k, length = self._scale[index], leg.length
-            entered, left = before.radius * k, length - after.radius * k
-            bends = entered * FLAT, length - (length - left) * FLAT  # where the blend's third derivative jumps
-            marks = sorted({0.0, *bends, entered, before.turn_radius * k, length - after.turn_radius * k, left})
+            length = leg.length
+            entered, turned_in = self._spans(index - 1, self._out_of) if index > 0 else (0.0, 0.0)
+            leaving, turning_out = self._spans(index, self._into) if index < len(self.corners) else (0.0, 0.0)
+            left = length - leaving
+            bends = entered * FLAT, length - leaving * FLAT  # where the blend's third derivative jumps
+            marks = sorted({0.0, *bends, entered, turned_in, length - turning_out, left})
             inside = [mark for mark in marks if 0.0 <= mark < length - _SHORTEST_PIECE]
             kept = [mark for mark, following in itertools.pairwise([*inside, length]) if following - mark > _SHORTEST_PIECE or mark == 0.0]
             for low, high in itertools.pairwise([*kept, length]):
@@ -103,6 +110,10 @@ class Path:
                 zones.append(index - 1 if middle < entered else index if middle > left else -1)
         ends = np.array([*edges, self._begins[-1]])
         return Pieces(np.asarray(self._s_of_g(ends)), np.array(legs, dtype=np.intp), np.array(zones, dtype=np.intp))
+
+    def _spans(self, corner: int, stretch: FloatArray) -> tuple[float, float]:
+        """Gives the m of a leg's coordinate that a corner's TCP zone and its orientation zone take."""
+        return self.corners[corner].radius * float(stretch[corner]), self.corners[corner].turn_radius * float(stretch[corner])
 
     def close_marks(self) -> FloatArray:
         """Gives the path coordinates (M,) in m near singularities: where the legs' joints were followed in finer steps than elsewhere."""
@@ -125,9 +136,20 @@ class Path:
 
     def zone_begins(self) -> FloatArray:
         """Gives the path coordinates (legs + 1,) in m at which the zones about the programmed points begin; the points where none is."""
-        radius = np.array([0.0, *(corner.radius for corner in self.corners), 0.0])
-        scale = np.append(0.0, self._scale)
-        return np.asarray(self._s_of_g(self._begins - radius * scale))
+        spans = np.array([0.0, *(self._spans(index, self._into)[0] for index in range(len(self.corners))), 0.0])
+        return np.asarray(self._s_of_g(self._begins - spans))
+
+    def last_zone_begin(self, radius: float) -> float:
+        """Gives the path coordinate in m at which a zone of a radius in m would begin, were there a leg behind the last one."""
+        leg = self.legs[-1]
+        own = self._begins[-2] + (leg.coordinate(leg.travel - min(radius, leg.travel / 2)) if leg.travel > 0 else leg.length)
+        return float(self._s_of_g(own))
+
+    def zone_widths(self) -> FloatArray:
+        """Gives how many m of path the TCP zones of the corners (M,) take."""
+        spans = np.array([(self._spans(index, self._into)[0], self._spans(index, self._out_of)[0]) for index in range(len(self.corners))])
+        ends = self._begins[1:-1, None] + spans.reshape(-1, 2) * np.array([-1.0, 1.0])
+        return np.asarray(np.diff(self._s_of_g(ends), axis=1)[:, 0])
 
     def coordinate(self, index: int, way: float) -> float:
         """Gives the path coordinate in m of a place on a leg, `way` m of the leg's own TCP travel after its programmed start.
@@ -141,7 +163,7 @@ class Path:
             ways = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(position, axis=0), axis=1))])
             x = leg.length * float(np.interp(way * ways[-1] / leg.travel, ways, shares))
         else:
-            x = way * self._scale[index]
+            x = leg.coordinate(way) if leg.travel > 0 else 0.0
         return float(self._s_of_g(self._begins[index] + min(x, leg.length)))
 
     def sample(self, s: FloatArray) -> Sample:
@@ -203,8 +225,9 @@ class Path:
 
     def _u(self, corner: int, index: int, x: FloatArray, radius: float) -> FloatArray:
         """Gives the distance from the corner over `radius`, negative before it, of coordinates x on leg `index` beside it."""
-        from_corner = x if corner == index - 1 else x - self.legs[index].length
-        return np.asarray(from_corner / (radius * self._scale[index]))
+        if corner == index - 1:
+            return np.asarray(x / (radius * self._out_of[corner]))
+        return np.asarray((x - self.legs[index].length) / (radius * self._into[corner]))
 
     def _by_joints(self, index: int, x: FloatArray) -> BoolArray:
         leg = self.legs[index]
@@ -229,8 +252,8 @@ class Path:
             inside = np.abs(u) < 1
             if inside.any():
                 v = off_corner(u[inside])
-                pa = a.position(a.length + v * radius * self._scale[corner])
-                pb = b.position(v * radius * self._scale[corner + 1])
+                pa = a.position(a.length + v * radius * self._into[corner])
+                pb = b.position(v * radius * self._out_of[corner])
                 position[inside] = blended(pa, pb, v, position_blend(v))
             if turn_radius <= 0 or (a.turning == 0 and b.turning == 0):
                 continue
@@ -239,8 +262,8 @@ class Path:
             if inside.any():
                 v = off_corner(u[inside])
                 R_corner = b.rotation(np.zeros(1))
-                turned_a = (R_corner.inv() * a.rotation(a.length + v * turn_radius * self._scale[corner])).as_rotvec()
-                turned_b = (R_corner.inv() * b.rotation(v * turn_radius * self._scale[corner + 1])).as_rotvec()
+                turned_a = (R_corner.inv() * a.rotation(a.length + v * turn_radius * self._into[corner])).as_rotvec()
+                turned_b = (R_corner.inv() * b.rotation(v * turn_radius * self._out_of[corner])).as_rotvec()
                 vector = blended(turned_a, turned_b, v, orientation_blend(v))
                 quaternion = rotation.as_quat()
                 quaternion[inside] = (R_corner * Rotation.from_rotvec(vector)).as_quat()
@@ -262,8 +285,8 @@ class Path:
             inside = np.abs(u) < 1
             if inside.any():
                 v = off_corner(u[inside])
-                qa = self._extended(corner, v, radius, end=True)
-                qb = self._extended(corner + 1, v, radius, end=False)
+                qa = self._extended(corner, v, radius * self._into[corner], end=True)
+                qb = self._extended(corner + 1, v, radius * self._out_of[corner], end=False)
                 joints[inside] = blended(qa, qb, v, position_blend(v))
         return joints
 
@@ -276,7 +299,7 @@ class Path:
             a, b = self.legs[corner], self.legs[corner + 1]
             if self._joint_corner(corner) or not isinstance(a, CartesianLeg) or not isinstance(b, CartesianLeg):
                 continue
-            ka, kb = self._scale[corner], self._scale[corner + 1]
+            ka, kb = self._into[corner], self._out_of[corner]
             for radius, values, on_leg in (
                 (self.corners[corner].radius, position, CartesianLeg.position),
                 (self.corners[corner].turn_radius, wrist, _wrist),
@@ -290,21 +313,21 @@ class Path:
         near = np.stack([np.interp(x, leg.marks, axis) for axis in leg.track[:, :3].T], axis=1)
         return self.arm.joints_with_wrist(position, wrist, leg.X_FT, near)
 
-    def _extended(self, index: int, u: FloatArray, radius: float, *, end: bool) -> FloatArray:
-        """Gives a leg's joints (N, 6) at u radii from its end or start; a Cartesian leg goes on beyond as a parabola in joint space.
+    def _extended(self, index: int, u: FloatArray, span: float, *, end: bool) -> FloatArray:
+        """Gives a leg's joints (N, 6) at u spans (m) from its end or start; a Cartesian leg goes on beyond as a parabola in joint space.
 
         Its tangent alone would not do: with a bend on one side only the blend's slope would jump at the corner.
         """
         leg = self.legs[index]
         origin = leg.length if end else 0.0
-        x = origin + u * radius * self._scale[index]
+        x = origin + u * span
         if isinstance(leg, JointLeg):
             return leg.joints(x)
         q_corner = leg.q_end if end else leg.q_start
         own = u < 0 if end else u > 0
         step = -_STEP if end else _STEP
         order = np.argsort(np.abs(u[own]))
-        asked = np.concatenate([origin + step * np.array([1.0, 2.0, 3.0]) * radius * self._scale[index], x[own][order]])
+        asked = np.concatenate([origin + step * np.array([1.0, 2.0, 3.0]) * span, x[own][order]])
         if leg.held_wrist is None:
             X_BT = RigidTransform.from_components(leg.position(asked), leg.rotation(asked))
             q = self.arm.joints(X_BT * leg.X_FT.inv(), q_corner)
@@ -320,7 +343,7 @@ class Path:
     def _nodes_of_corner(self, index: int) -> CornerNodes:
         """Gives nodes over a zone. ds/du is smooth over the corner, also where the legs' coordinates run differently fast."""
         radius = self.corners[index].radius
-        ka, kb = self._scale[index], self._scale[index + 1]
+        ka, kb = self._into[index], self._out_of[index]
         u = np.linspace(-1, 1, 2 * _NODES - 1)  # every second one only serves Simpson's rule
         per_u = radius * np.exp(0.5 * ((1 - u) * np.log(ka) + (1 + u) * np.log(kb)))
         if not self._joint_corner(index):

@@ -50,7 +50,7 @@ def zone_time(chain: Chain, index: int) -> float:
     move = chain.moves[index]
     if index < len(chain.moves) - 1 or move.fine:
         return _passed(chain, float(chain.path.zone_begins()[index + 1]))
-    return _passed(chain, chain.path.coordinate(index, move.leg.travel - min(move.zone.radius, move.leg.travel / 2)))
+    return _passed(chain, chain.path.last_zone_begin(move.zone.radius))
 
 
 def passed_time(chain: Chain, index: int) -> float:

@@ -82,3 +82,18 @@ def test_a_valid_program_exceeds_no_limit_and_runs_forwards_without_a_jump(moved
     assert all(end <= start + 1e-9 for end, start in zip(ends[:-1], starts[1:], strict=True))
     passed = [(executed.begins, executed.ends) for executed in motion.record.moves]
     assert all(begins <= ends + 1e-9 for begins, ends in passed)
+
+
+def test_a_motion_is_taken_over_before_the_zone_at_the_end_of_a_joint_move(moved, monkeypatch):
+    """The TCP is slower at the end of this joint move than on average, so that its zone takes more of the move than its radius suggests."""
+    monkeypatch.setattr(task_run, "LOOK_AHEAD", 4)
+    target = "[[{}],[{}],[0,0,0,0],noAxes]".format
+    motion = moved(
+        f"MoveJ {target('430.655959,0.017452,399.245405', '0,0,1,0')},v500,z0,tA;",
+        f"MoveL {target('430.468661,-4.650450,401.027429', '0,0,1,0')},v20,z50,tA;",
+        f"MoveL {target('400.242238,-96.004995,373.811436', '-0.301147288,-0.425338505,0.841190202,-0.144209958')},v20,z200,tB;",
+        "MoveAbsJ [[51,5,-13,-112,53,-277],noAxes],v300,z100,tA;",
+        f"MoveL {target('400.062447,-95.285656,374.482424', '-0.335426452,-0.111513891,0.924215263,0.144498770')},v300,fine,tA;",
+    )
+    assert len(motion.record.chains) == 2
+    assert motion.holds(View.PLANNED)
