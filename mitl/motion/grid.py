@@ -43,7 +43,7 @@ class Grid:
 
     nodes (N+1,) m of path; leg (N,) of each interval; zone (N,): the corner in whose TCP zone it lies, or -1; sample: the path at the
     nodes. At the stations of each interval, axis 1: joints, rate, bend (N, 3, 6): q, dq/ds, d2q/ds2; stretch (N, 3): TCP m per m of path;
-    turning (N,): rad per m of path.
+    curvature (N, 3): across it, m/s^2 at 1 m/s of path; turning (N,): rad per m of path.
     """
 
     nodes: FloatArray
@@ -54,6 +54,7 @@ class Grid:
     rate: FloatArray
     bend: FloatArray
     stretch: FloatArray
+    curvature: FloatArray
     turning: FloatArray
 
     def __len__(self) -> int:
@@ -147,6 +148,9 @@ class _Cutting:
                 five[(taken == change) & (np.arange(len(taken)) < change)[:, None], 6:] = p_BT
             found[:, station] = np.einsum("nik,nkj->nij", _WEIGHTS[2 * (self.within - first) + int(2 * share)], five)
         step = self.step[:, None, None]
+        tangent, curving = found[:, :, 1, 6:] / step, found[:, :, 2, 6:] / step**2
+        stretch = np.linalg.norm(tangent, axis=2)
+        along = np.sum(tangent * curving, axis=2) / np.maximum(stretch, 1e-12)
         turned = (self.sample.rotation[:-1].inv() * self.sample.rotation[1:]).magnitude()
         return Grid(
             nodes=self.nodes,
@@ -156,7 +160,8 @@ class _Cutting:
             joints=found[:, :, 0, :6],
             rate=found[:, :, 1, :6] / step,
             bend=found[:, :, 2, :6] / step**2,
-            stretch=np.linalg.norm(found[:, :, 1, 6:], axis=2) / self.step[:, None],
+            stretch=stretch,
+            curvature=np.sqrt(np.maximum(np.sum(curving**2, axis=2) - along**2, 0.0)),
             turning=turned / self.step,
         )
 

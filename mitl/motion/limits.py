@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mitl.motion.bends import bend_caps, limited
 from mitl.motion.dynamics import Dynamics
 from mitl.motion.effort import Efforts
 from mitl.motion.grid import STATIONS, Grid
@@ -94,7 +95,8 @@ class Limits:
     """The limits of a path on a grid of N intervals, but for how drives weaken with speed.
 
     ceiling (N+1,): greatest x by programmed speed, joint speeds and ticks. effort: at the stations, (N, S, 6) each. share (N,) of drives
-    to be used; rise, fall (N,): most m/s^2 along the path by PathAccLim, in m of path.
+    to be used; rise, fall (N,): most m/s^2 along the path of a limited TCP or by PathAccLim, in m of path. bend (N,): greatest x by the
+    TCP's acceleration across the path.
     """
 
     grid: Grid
@@ -104,6 +106,7 @@ class Limits:
     share: FloatArray
     rise: FloatArray
     fall: FloatArray
+    bend: FloatArray
 
     def half_planes(self, x: FloatArray) -> HalfPlanes:
         """Gives the half-planes where the drives give what they can at x (M+1,), of the first M intervals."""
@@ -125,7 +128,7 @@ class Limits:
             along, across = np.concatenate([along, np.ones(wide)], axis=2), np.concatenate([across, np.zeros(wide)], axis=2)
             most, least_of_all = (np.broadcast_to(values[:, None, None], wide) for values in (self.rise, self.fall))
             up, down = np.concatenate([up, most], axis=2), np.concatenate([down, least_of_all], axis=2)
-        held = self.model.zone_factor**2 * _held_through_zones(level, grid.zone)
+        held = self.model.zone_factor**2 * _held_through_zones(np.minimum(level, self.bend), grid.zone)
         return HalfPlanes(along, across, up, down, np.minimum(self.ceiling, _at_nodes(held)), grid.widths)
 
 
@@ -144,14 +147,20 @@ def limits_of(
         rise[here], fall[here] = how.path_acceleration, how.path_deceleration
     with np.errstate(divide="ignore"):
         by_joints = _MARGIN * np.min(model.speed / np.abs(grid.rate), axis=(1, 2))
-    speed_cap = np.minimum.reduce([programmed, by_joints, _tick_cap(path, grid)])
+    x = np.minimum.reduce([programmed, by_joints, _tick_cap(path, grid)]) ** 2
+    ceiling, bend = _at_nodes(x), np.full(count, np.inf)
+    if model.tcp_limited:
+        caps = bend_caps(path, grid, x, limited(path, grid, model.corner_acceleration, share), CONTROLLER_TICK)
+        ceiling, bend = np.minimum(ceiling, caps), np.minimum(caps[:-1], caps[1:])
+        along = limited(path, grid, model.tcp_acceleration, share)
+        rise, fall = np.minimum(rise, along), np.minimum(fall, along)
     # TCP limits hold for m of path a second where the TCP travels less than the path's coordinate
     stretch = np.maximum(grid.stretch.max(axis=1), _NO_LEVER)
     flat = [np.asarray(values).reshape(-1, 6) for values in (grid.joints, grid.rate, grid.bend)]
     found = model.effort.efforts(*flat)
     shape = grid.rate.shape
     effort = Efforts(found.along.reshape(shape), found.across.reshape(shape), found.resting.reshape(shape))
-    return Limits(grid, model, _at_nodes(speed_cap**2), effort, share, rise / stretch, fall / stretch)
+    return Limits(grid, model, ceiling, effort, share, rise / stretch, fall / stretch, bend)
 
 
 def _programmed(grid: Grid, here: BoolArray, leg: JointLeg | CartesianLeg, speed: LegSpeed) -> FloatArray:

@@ -68,17 +68,16 @@ class Path:
         self._into = np.ones(len(self.corners))
         """m of coordinate of the leg before a corner per m of its TCP's way, over the zone; `_out_of`: of the leg behind it."""
         self._out_of = np.ones(len(self.corners))
-        for index, corner in enumerate(self.corners):
-            if corner.radius > 0:
-                before, after = self.legs[index], self.legs[index + 1]
-                self._into[index] = (before.length - before.coordinate(before.travel - corner.radius)) / corner.radius
-                self._out_of[index] = after.coordinate(corner.radius) / corner.radius
+        zones = [index for index in range(len(self.corners)) if self.corners[index].radius > 0]
+        for index in zones:
+            a, b, radius = self.legs[index], self.legs[index + 1], self.corners[index].radius
+            self._into[index] = (a.length - a.coordinate(a.travel - radius)) / radius
+            self._out_of[index] = b.coordinate(radius) / radius
         self._unevenness = np.zeros(len(self.corners))
         if self._begins[-1] < _SHORTEST_PIECE:  # moves to where the arm stands
             self.length = 0.0
             self._g_of_s = self._s_of_g = PPoly(np.array([[1.0], [0.0]]), np.array([0.0, 1.0]))
             return
-        zones = [index for index in range(len(self.corners)) if self.corners[index].radius > 0]
         nodes = [self._nodes_of_corner(index) for index in zones]
         for index, corner in zip(zones, nodes, strict=True):
             self._unevenness[index] = np.log(corner.after.max() / corner.after.min())

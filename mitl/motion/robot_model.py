@@ -41,8 +41,9 @@ class RobotModel:
 
     lower, upper (6,) rad; speed (6,) rad/s; acceleration (6,) rad/s^2. parallel_rod: axis 3 is the forearm's angle to the horizontal,
     which a rod keeps as axis 2 turns, not its angle to the upper arm. ASSUMPTION A-152.
-    tcp_acceleration m/s^2 along the path, smoothed over
-    acceleration_window s; corner_acceleration m/s^2 across the path; vmax m/s. arm_windows: widths in s of the two moving averages
+    tcp_acceleration m/s^2 along the path, smoothed over acceleration_window s where a motion is stopped; corner_acceleration m/s^2
+    across the path; tcp_limited: plans of lines and arcs keep both; without, only the drives limit them. vmax m/s. arm_windows: widths in s
+    of the two moving averages
     between plan and tool; controller_windows (6,) s: the same between plan and what the controller reports. start_latency s from a
     command to the start of the plan. fine_pause (K,) s at peak leg speeds fine_pause_speed (K,) m/s. zone_factor: how much faster than the
     rest of a zone allows it is entered. path_lag: time constant in s with which the path coordinate lags. effort: what the drives can do.
@@ -62,6 +63,7 @@ class RobotModel:
     tcp_acceleration: float
     acceleration_window: float
     corner_acceleration: float
+    tcp_limited: bool
     vmax: float
     arm_windows: FloatArray
     controller_windows: FloatArray
@@ -127,6 +129,7 @@ def load_robot_model(name: str) -> RobotModel:
         tcp_acceleration=reader.number("tcp", "acceleration_m_s2"),
         acceleration_window=reader.number("tcp", "acceleration_window_s"),
         corner_acceleration=reader.number("tcp", "corner_acceleration_m_s2"),
+        tcp_limited=reader.flag("tcp", "limited"),
         vmax=reader.number("tcp", "vmax_m_s"),
         arm_windows=reader.array("executed", "arm_windows_s", 2),
         controller_windows=reader.array("executed", "controller_windows_s", _JOINTS),
