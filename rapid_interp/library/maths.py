@@ -79,6 +79,9 @@ ROUTINES = (
     LibraryRoutine("FUNC num ATan2(num Y, num X)", lambda y, x: math.degrees(math.atan2(y, x))),
     LibraryRoutine("FUNC num Pow(num Base, num Exponent)", _pow),
     LibraryRoutine("FUNC num Exp(num Exponent)", math.exp),
+    # ASSUMPTION A-242: Max and Min of RobotWare 7 take two numbers.
+    LibraryRoutine("FUNC num Max(num A, num B)", max),
+    LibraryRoutine("FUNC num Min(num A, num B)", min),
     LibraryRoutine(r"FUNC num Round(num Val \num Dec)", _round),
     LibraryRoutine(r"FUNC num Trunc(num Val \num Dec)", _trunc),
     LibraryRoutine(r"FUNC dnum RoundDnum(dnum Val \num Dec)", _round),

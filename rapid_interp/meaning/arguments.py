@@ -79,6 +79,10 @@ def matched(
             given += 1
             if given <= len(required):
                 found[required[given - 1]] = argument
+                wanted = parameters[required[given - 1]].name
+                if argument.label and argument.label.lower() != wanted.lower():
+                    message = f"the argument is for the parameter {wanted!r} of {routine}, not for {argument.label!r}"
+                    report("RAPID-E112", message, argument.start)
             elif given == len(required) + 1:
                 plural = "s" * (len(required) != 1)
                 report("RAPID-E111", f"too many arguments: {routine} takes {len(required)} required argument{plural}", argument.start)

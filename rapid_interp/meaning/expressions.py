@@ -13,6 +13,7 @@ from rapid_interp.errors import diagnostic
 from rapid_interp.meaning import operators
 from rapid_interp.meaning.compiler import Compiler, Operand, conforming, constant, failed, folded
 from rapid_interp.meaning.elements import checked, element, single
+from rapid_interp.meaning.named_numbers import ERROR_NAMES
 from rapid_interp.meaning.predefined import DATA, ERROR_PREFIX
 from rapid_interp.meaning.symbols import GLOBALS, DataSymbol, Frame, Run, did_you_mean
 from rapid_interp.meaning.types import (
@@ -126,7 +127,7 @@ class ExpressionCompiler(Compiler):
             if key in ("errno", "intno"):
                 return Operand(NUM, lambda f: f[1].error_number if key == "errno" else f[1].interrupts.current)
             return Operand(kind, lambda _: value, lambda _: FixedReference(value), "CONST", constant=True)
-        if key.startswith(ERROR_PREFIX):
+        if key.startswith(ERROR_PREFIX) or key in ERROR_NAMES:
             return constant(NUM, error_number(key))
         if is_signal(wanted) or wanted.name == SIGNAL_OR_NAME:
             self.findings.signals.add(key)

@@ -12,7 +12,7 @@ from typing import TypeAlias
 
 from rapid_interp.library.poses import cross, multiply
 from rapid_interp.meaning.symbols import Frame, Run
-from rapid_interp.meaning.types import ANY, BOOL, DNUM, NUM, ORIENT, POS, STRING, Array, RapidType, Value, fits, is_opaque
+from rapid_interp.meaning.types import ANY, BOOL, DNUM, NUM, ORIENT, POS, STRING, Atomic, RapidType, Value, fits, is_opaque
 from rapid_interp.running.numbers import add, divide, rounded, subtract, times
 from rapid_interp.running.values import MAX_STRING, Fault, error_number
 
@@ -165,9 +165,9 @@ _DOUBLE = {"+": _add, "-": _subtract, "*": _times, "/": _general(_divide)}
 def binary(sign: str, left: RapidType, right: RapidType, a: Run, b: Run) -> tuple[RapidType, Run] | None:
     """Gives type and code of an operation, or None if the operands' types do not suit it."""
     if sign in ("=", "<>"):
-        if isinstance(left, Array) or isinstance(right, Array):
-            return None
-        if not (fits(left, right) or {left.name, right.name} == {"num", "dnum"}):
+        # ASSUMPTION A-240: arrays of the same size can be compared whole, as they can be assigned.
+        doubles = isinstance(left, Atomic) and isinstance(right, Atomic) and {left.name, right.name} == {"num", "dnum"}
+        if not (doubles or fits(left, right)):
             return None
         return (BOOL, _equal(a, b)) if sign == "=" else (BOOL, _general(operator.ne)(a, b))
     is_dnum = DNUM in (left, right)

@@ -5,6 +5,7 @@ Invariant: every entry is a (type, value) pair of RAPID's own value, in mm and d
 
 from __future__ import annotations
 
+from rapid_interp.meaning.named_numbers import NAMED_NUMBERS
 from rapid_interp.meaning.types import NUM, PREDEFINED, STRING, RapidType, Value
 
 VMAX_MM_S = 7000.0
@@ -38,6 +39,10 @@ _STRINGS = {
     "STR_LOWER": "abcdefghijklmnopqrstuvwxyz",
     "STR_WHITE": " \t\n\v\f\r",
     "diskhome": "HOME:",
+    "diskram": "RAMDISK:",
+    "disktemp": "TEMP:",
+   
+    **{f"usbdisk{place}": f"usbdisk{place}:" for place in range(1, 11)},
     "stEmpty": "",
     "ERRSTR_EMPTY": "",
     "ERRSTR_UNUSED": "",
@@ -66,6 +71,8 @@ _NUMBERS = {
     "OpAdd": 1.0, "OpSub": 2.0, "OpMult": 3.0, "OpDiv": 4.0, "OpMod": 5.0,
     "AIO_ABOVE_HIGH": 1.0, "AIO_BELOW_HIGH": 2.0, "AIO_ABOVE_LOW": 3.0, "AIO_BELOW_LOW": 4.0, "AIO_BETWEEN": 5.0, "AIO_OUTSIDE": 6.0,
     "AIO_ALWAYS": 7.0,
+    "OPERATOR_ERR": 6.0, "IO_COM_ERR": 7.0, "USER_DEF_ERR": 8.0, "SAFETY_ERR": 9.0, "OPTION_PROD_ERR": 10.0, "PROCESS_ERR": 11.0,
+    "CFG_ERR": 12.0, "ARCWELD_ERR": 13.0, "SPOTWELD_ERR": 14.0, "PAINT_ERR": 15.0, "PICKWARE_ERR": 16.0,
     "TYPE_ALL": 0.0, "TYPE_STATE": 1.0, "TYPE_WARN": 2.0, "TYPE_ERR": 3.0,
 }  # fmt: skip
 _OPAQUE = {
@@ -92,6 +99,7 @@ def _predefined() -> dict[str, tuple[str, RapidType, Value]]:
     found["wobj0"] = (PREDEFINED["wobjdata"], (False, True, "", _IDENTITY, _IDENTITY))
     found["load0"] = (PREDEFINED["loaddata"], _LOAD0)
     found |= {name: (STRING, value) for name, value in _STRINGS.items()}
+    found |= {name: (NUM, value) for name, value in NAMED_NUMBERS.items()}
     found |= {name: (NUM, value) for name, value in _NUMBERS.items()}
     for type_name, names in _OPAQUE.items():
         found |= {name: (PREDEFINED[type_name], name if type_name == "mecunit" else ()) for name in names.split()}

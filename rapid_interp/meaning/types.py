@@ -118,12 +118,19 @@ _NUM_ALIASES = """errnum intnum identno dionum btnres icondata opnum tunetype er
     sockstatus socketstatus buttondata iounit_state event_type veldata_num mecunitnum signalorigin cssframe aiotrigg tpnum trapnum
     egmstate egmframetype egmstopmode"""
 _STRING_ALIASES = "errstr restring stringdig taskname syncidentname"
-_OPAQUE = """rmqheader triggmode
-    taskid stoppointdata restartdata progdata errdata uishownum visiondata cameradev cameratarget cameraextdata camerastatus weavedata
-    seamdata welddata trackdata arcdata gundata spotdata simdata forcedata paintdata fcforcevector fcspeedvector fcprocessdata fcplane
-    fccylinder fcsphere fclindir fcrotdir fcdamping fcboxvol fcxyznum fccondstatus searchdata sensor sensordata intdata busstate
-    lnkdata clipdata gripdata opcalc hostdata camdata bool_array confsupdata supervtype stoppoint weldtype ioviewdata
-    tspstatus robjointlimits opmode symbolmode indmode poslimits dataset itmsrc itmtgt sortdata selectiondata sourcedata motsetdata"""
+_OPAQUE = """
+    accdata adaptdata advseamdata arcdata arctrackdata be_device be_scan be_tooldesign beaddata bool_array busstate camdata cameradev
+    cameraextdata camerastatus cameratarget capaptrreferencedata capdata capevent caplatrackdata capmvsttim capspeeddata capstopmode
+    captestno captrackdata capweavedata cellopmode cfgdomain clipdata cnvcmd confsupdata css_offset_dir css_soft_dir dadescapp
+    dadescprc daintdata dataset deflectiondata equipdata errdata errorinfo fcboxvol fccondstatus fccylinder fccylindervol fcdamping
+    fcforcevector fcframe fclindir fcplane fcprocessdata fcrotdir fcspdchgtunetype fcspeedvector fcsphere fcspherevol fcxyznum
+    flypointdata flystartdata forcedata gripdata gundata gunnum hostdata indcnvdata indmode inposdata intdata ioviewdata itmsrc itmtgt
+    lnkdata menudata motionprocessmode motsetdata multidata o_jointtarget o_robtarget opcalc opmode opttrackdata paintdata partdata
+    pm_projectinfo pnpdata poslimits proc_times processtimes progdata restartblkdata restartdata rmqheader robjointlimits seamdata
+    searchdata selectiondata sensor sensordata sensorvardata simdata singdata smeqdata smeqtype sortdata sourcedata spotdata standno
+    stopmovestartmove_mem stoppoint stoppointdata sup_timeouts supervtimeouts supervtype symbolmode taskid tasksatstart testsignal
+    toolinfo toolno trackdata triggflag triggmode tsp_status tspstatus tunegtype uishownum visiondata weavedata weavestartdata
+    welddata weldtype"""
 
 
 def _predefined() -> dict[str, RapidType]:

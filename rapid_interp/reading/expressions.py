@@ -273,7 +273,10 @@ class ExpressionParser:
         return tuple(found)
 
     def arguments(self, closer: str) -> tuple[Argument, ...]:
-        r"""Gives the arguments up to `closer`, which is not taken. A comma before a backslash is optional."""
+        r"""Gives the arguments up to `closer`, which is not taken. A comma before a backslash is optional.
+
+        ASSUMPTION A-241: a required argument may name its parameter, `Offs(Point:=p, ...)`.
+        """
         kinds = self.kinds
         found: list[Argument] = []
         if kinds[self.at] == closer:
@@ -285,12 +288,21 @@ class ExpressionParser:
                 found.append(self.option(start))
             else:
                 value = self.expression()
-                found.append(Argument("", value, False, start, value.end))
+                label = ""
+                if kinds[self.at] == ":=" and value.__class__ is Name and (found or closer == ")" or self._on_line_before(start)):
+                    label = value.text
+                    self.at += 1
+                    value = self.expression()
+                found.append(Argument("", value, False, start, value.end, label))
             kind = kinds[self.at]
             if kind == ",":
                 self.at += 1
             elif kind != "\\":
                 return tuple(found)
+
+    def _on_line_before(self, start: int) -> bool:
+        """Gives whether the token before the current `name :=` is on its line; else a `;` was forgotten and an assignment begins."""
+        return self.source.line_of(self.starts[self.at - 2]) == self.source.line_of(start)
 
     def option(self, start: int) -> Argument:
         r"""Gives the optional argument here, after its backslash: `\Switch`, `\Name:=value` or `\Name?parameter`."""

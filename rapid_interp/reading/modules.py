@@ -296,16 +296,17 @@ class ModuleParser(StatementParser):
         found: list[Parameter] = []
         group = 0
         while self.kinds[self.at] != ")":
-            if self.kinds[self.at] == PLACEHOLDER:
+            alternatives: list[Parameter] = []
+            while True:
+                if not self._parameter_gap():
+                    alternatives.append(self.parameter(optional=bool(alternatives) and alternatives[-1].optional))
+                if self.kinds[self.at] != "|":
+                    break
                 self.at += 1
-            else:
-                found.append(self.parameter(optional=False, group=0))
-                while self.kinds[self.at] == "|":
-                    self.at += 1
-                    if not found[-1].group:
-                        group += 1
-                        found[-1] = found[-1]._replace(group=group)
-                    found.append(self.parameter(optional=found[-1].optional, group=group))
+            if len(alternatives) > 1:
+                group += 1
+                alternatives = [parameter._replace(group=group) for parameter in alternatives]
+            found += alternatives
             if self.kinds[self.at] == ",":
                 self.at += 1
             elif self.kinds[self.at] not in ("\\", ")"):
@@ -313,8 +314,16 @@ class ModuleParser(StatementParser):
         self.at += 1
         return tuple(found)
 
-    def parameter(self, *, optional: bool, group: int) -> Parameter:
-        """Gives the parameter here."""
+    def _parameter_gap(self) -> bool:
+        r"""Goes over a placeholder for a parameter, `<PAR>` or `\<ALT>`, and gives whether one was here."""
+        at = self.at + (self.kinds[self.at] == "\\")
+        if self.kinds[at] != PLACEHOLDER:
+            return False
+        self.at = at + 1
+        return True
+
+    def parameter(self, *, optional: bool) -> Parameter:
+        """Gives the parameter here, which is in no group yet."""
         start = self.starts[self.at]
         if self.kinds[self.at] == "\\":
             self.at += 1
@@ -327,12 +336,12 @@ class ModuleParser(StatementParser):
         name = self.take_name("the name of a parameter")
         rank = 0
         if self.kinds[self.at] == "{":
-            self.at += 1
-            rank = 1
-            self.take("*")
-            while self.kinds[self.at] == ",":
+            while self.kinds[self.at] == "," or not rank:
                 self.at += 1
-                self.take("*")
                 rank += 1
+                if self.texts[self.at] != "<DIM>":
+                    self.take("*", "'*' for a dimension of the parameter")
+                else:
+                    self.at += 1
             self.take("}")
-        return Parameter(optional, group, mode, type_name, name, rank, start, self.end_before())
+        return Parameter(optional, 0, mode, type_name, name, rank, start, self.end_before())

@@ -100,7 +100,7 @@ def _arguments(nodes: Iterable[Argument]) -> str:
 def _argument(node: Argument) -> str:
     value = "" if node.value is None else expression_text(node.value)
     if not node.option:
-        return value
+        return f"{node.label}:={value}" if node.label else value
     sign = "?" if node.conditional else ":=" if value else ""
     return f"\\{node.option}{sign}{value}"
 

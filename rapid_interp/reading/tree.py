@@ -111,13 +111,17 @@ Expression: TypeAlias = Name | Number | Text | Truth | Aggregate | Unary | Binar
 
 
 class Argument(NamedTuple):
-    r"""An argument. `option` is the name after a backslash; `conditional` is `\x?y`, pass `y` on if present."""
+    r"""An argument. `option` is the name after a backslash; `conditional` is `\x?y`, pass `y` on if present.
+
+    `label` is the parameter that a required argument names: `Dist:=3.5`.
+    """
 
     option: str
     value: Expression | None
     conditional: bool
     start: int
     end: int
+    label: str = ""
 
 
 class Assign(NamedTuple):

@@ -41,6 +41,8 @@ RETURN sum;
 ENDFUNC"""
 
 EXPRESSIONS = [
+    ("Max(12, 10)", "12"),
+    ("Min(A := 2, B := -1)", "-1"),
     ("BitAnd(12, 10)", "8"),
     ("BitOr(12, 10)", "14"),
     ("BitXOr(12, 10)", "6"),

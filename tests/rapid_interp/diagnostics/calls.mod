@@ -43,5 +43,8 @@ MODULE calls
     takes 1, 2; ! ### "it needs data, not a value"
     n := Abs(); ! ### "Abs also needs Value"
     takes(1, n\c:=2);
+    takes a:=1, b:=n;
+    takes b:=n, a:=1; ! ### "the argument is for the parameter 'a' of takes, not for 'b' [RAPID-E112]" ### "for the parameter 'b'" ### "it needs data"
+    n := all(y:=3); ! ### "the argument is for the parameter 'x' of all, not for 'y'"
   ENDPROC
 ENDMODULE

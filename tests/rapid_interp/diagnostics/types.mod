@@ -36,6 +36,7 @@ MODULE types
     d := 3;
     n := n + s; ! ### "+ does not apply to num and string [RAPID-E121]"
     b := n = s; ! ### "= does not apply to num and string"
+    b := row = [1,2,3]; ! ### "num{2} needs 2 elements here, found 3"
     b := NOT n; ! ### "NOT does not apply to num"
     b := b AND n; ! ### "AND does not apply to bool and num"
     b := n; ! ### "expected bool, found num"
