@@ -41,7 +41,6 @@ _STRINGS = {
     "diskhome": "HOME:",
     "diskram": "RAMDISK:",
     "disktemp": "TEMP:",
-   
     **{f"usbdisk{place}": f"usbdisk{place}:" for place in range(1, 11)},
     "stEmpty": "",
     "ERRSTR_EMPTY": "",
