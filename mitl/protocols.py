@@ -12,6 +12,7 @@ from enum import Enum
 from pathlib import Path
 from typing import Protocol, runtime_checkable
 
+from mitl.feedback import FeedbackSamples
 from mitl.paths import FloatArray, PosePath
 from mitl.samples import TrackerSamples
 
@@ -152,6 +153,18 @@ class DetailedTracker(Protocol):
         ...
 
 
+class Feedback(Protocol):
+    """What a controller streams of itself while it moves, e.g. by EGM. It is kept in recordings; no verdict rests on it."""
+
+    def start(self) -> None:
+        """Begins to keep what comes."""
+        ...
+
+    def stop(self) -> FeedbackSamples:
+        """Gives what came since `start`, on the tracker's clock."""
+        ...
+
+
 @dataclass(frozen=True)
 class ProgrammedMove:
     """One executed motion instruction as programmed, in the active work object's frame (SI).
@@ -213,7 +226,7 @@ class Rig:
     begin_case: called with the case's id before each case, so that a simulated rig reseeds itself: same seed, same case, same numbers.
     devices: further tracked devices in the tracker's frame, by name, e.g. "belt", or "reference", which stands still.
     calibration: file of a stored calibration, or None where every run calibrates. calibration_program: RAPID with its poses, or None.
-    close: called at the end of the run; leaves the rig as it was found.
+    feedback: what the controller streams of itself, or None. close: called at the end of the run; leaves the rig as it was found.
     """
 
     name: str
@@ -228,4 +241,5 @@ class Rig:
     devices: Mapping[str, Tracker] = field(default_factory=dict)
     calibration: Path | None = None
     calibration_program: Path | None = None
+    feedback: Feedback | None = None
     close: Callable[[], None] = lambda: None

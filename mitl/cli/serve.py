@@ -43,6 +43,9 @@ PASSWORD_VARIABLE = "MITL_SERVE_PASSWORD"  # noqa: S105 - the name of a variable
     "--realtime/--fast", default=True, show_default=True, help="Time passes as on the wall, or as fast as possible while RAPID runs."
 )
 @click.option(
+    "--egm", metavar="HOST:PORT", help="Stream the controller's own view of its motion there, as EGMStreamStart does: 250 Hz, UDP."
+)
+@click.option(
     "--signal", "signals", multiple=True, metavar="NAME=KIND", help=f"A signal beside those that the program uses ({', '.join(_KINDS)})."
 )
 @click.option("--fault", "faults", multiple=True, metavar="NAME[=SIZE]", help="Break the controller on purpose (mitl faults).")
@@ -69,6 +72,7 @@ def serve_command(
     program: Path | None,
     home: Path | None,
     realtime: bool,
+    egm: str | None,
     signals: tuple[str, ...],
     faults: tuple[str, ...],
     tls: bool | None,
@@ -85,6 +89,7 @@ def serve_command(
     from mitl.controllers.faults import parse_fault  # noqa: PLC0415 - heavy imports only when the command runs
     from mitl.controllers.virtual import start  # noqa: PLC0415 - see above
     from mitl.controllers.virtual.answers import Dialect  # noqa: PLC0415 - see above
+    from mitl.controllers.virtual.egm_sender import EgmSender  # noqa: PLC0415 - see above
     from mitl.controllers.virtual.server import Pace, VirtualServer  # noqa: PLC0415 - see above
     from mitl.controllers.virtual.tls import self_signed  # noqa: PLC0415 - see above
 
@@ -109,7 +114,8 @@ def serve_command(
         service = start.service(
             cell, dialect, home or Path(own), password=os.environ.get(PASSWORD_VARIABLE, start.PASSWORD), rate=rate_limit
         )
-        server = VirtualServer(service, host=host, port=port, pace=Pace.REALTIME if realtime else Pace.FAST, tls=context)
+        stream = EgmSender(cell, egm) if egm is not None else None
+        server = VirtualServer(service, host=host, port=port, pace=Pace.REALTIME if realtime else Pace.FAST, tls=context, egm=stream)
         asyncio.run(_serve(server, fingerprint))
 
 

@@ -9,6 +9,8 @@ import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+import numpy as np
+
 from mitl.controllers.faults import Fault, effect_filter, joint_offset, orientation_law, playback, resume_offset, robot_model, stop_delay
 from mitl.errors import MotionError, RigError
 from mitl.motion.chain import Planner
@@ -201,6 +203,14 @@ class SimulatedController:
     def joints(self) -> FloatArray:
         """Gives the axis positions (6,) in rad, as the controller reports them."""
         return self._record.joints_at(self._now() - self._origin, View.CONTROLLER)
+
+    def reported_joints(self, times: FloatArray) -> FloatArray:
+        """Gives the axis positions (N, 6) in rad at times (N,) in s, as the controller reports them."""
+        return np.array([self._record.joints_at(time, View.CONTROLLER) for time in (times - self._origin).tolist()])
+
+    def planned_joints(self, times: FloatArray) -> FloatArray:
+        """Gives the axis positions (N, 6) in rad that it plans for times (N,) in s."""
+        return self._record.joints(times - self._origin, View.PLANNED)
 
     def flange(self) -> FloatArray:
         """Gives X_BF (7,), as the controller reports it."""

@@ -13,10 +13,12 @@ from mitl.calibration.result import Calibration
 from mitl.engine.case_recording import RecordedRun, moves_of, signals_of
 from mitl.engine.recorder import CaseRecorder
 from mitl.errors import RigError
+from mitl.feedback import FeedbackSamples
 from mitl.metrics.glitch import without_glitches
 from mitl.paths import FloatArray, PosePath
 from mitl.protocols import AveragedPoint, Clock, Controller, DetailedTracker, ExecutionState, LoggedEvent, Oracle, Rig, Tracker
-from mitl.recording.records import PoseTrack
+from mitl.recording.feedback import feedback_facts, feedback_series, feedback_track
+from mitl.recording.records import EGM, EGM_FLANGE, PoseTrack
 from mitl.samples import TrackerSamples
 
 STILL = 0.3
@@ -84,6 +86,8 @@ class Bench:
         self._tracking: str | None = None
         self._oracles: dict[tuple[tuple[str, str], ...], Oracle] = {}
         self._last: Oracle | None = None
+        if rig.feedback is not None:
+            rig.feedback.start()
 
     @property
     def controller(self) -> Controller:
@@ -300,7 +304,7 @@ class Bench:
         self._recorder.add_path(name, PoseTrack(path, frame, body))
 
     def close(self) -> None:
-        """Keeps the still points, what the tracker saw of a run that was broken off, and the controller's event log."""
+        """Keeps the still points, what the tracker saw of a run that was broken off, the controller's event log and its own view."""
         try:
             self._recorder.keep_events(self.controller.event_log())
         except RigError as error:
@@ -311,6 +315,17 @@ class Bench:
             self._recorder.paths["/tracker/still"] = PoseTrack(_path(time, raw), "tracker", "body")
             self._recorder.paths["/tool/still"] = PoseTrack(_path(time, np.array([tool for _, tool in self._still])), "wobj", "tool")
         self._break_off()
+        if self.rig.feedback is not None:
+            self._keep_feedback(self.rig.feedback.stop())
+
+    def _keep_feedback(self, samples: FeedbackSamples) -> None:
+        whole = len(samples) and not samples.lost
+        self._recorder.say("info" if whole else "warning", feedback_facts(samples))
+        if len(samples):
+            self._recorder.series[EGM] = feedback_series(samples)
+            track = feedback_track(samples)
+            if track is not None:
+                self._recorder.paths[EGM_FLANGE] = track
 
     def _break_off(self) -> None:
         if self._tracking is not None:

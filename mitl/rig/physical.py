@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import os
 import platform
+import socket
 import sys
 from collections.abc import Sequence
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from urllib.parse import urlsplit
 
 from mitl import __version__
+from mitl.controllers.egm.receiver import EgmReceiver
 from mitl.controllers.rws.controller import RwsController
 from mitl.controllers.rws.credentials import find_credentials
 from mitl.engine.calibration_session import CASE_ID as CALIBRATION
-from mitl.errors import UsageError
+from mitl.errors import RigError, UsageError
 from mitl.motion.oracles import PlannedOracles
 from mitl.motion.robot_model import load_robot_model
 from mitl.protocols import Rig
@@ -42,6 +45,7 @@ def load_physical(file: Path, seed: int, faults: Sequence[str], *, armed: bool =
     tracker = open_tracker(config, clock)
     controller = GuardedController(first, second, config, model, tracker, clock, armed=armed, guardian=lambda: Guardian(config.controller))
     robotware, _ = first.system()
+    feedback = open_feedback(config)
 
     def close() -> None:
         """Puts everything back, also where one of the steps fails."""
@@ -49,6 +53,8 @@ def load_physical(file: Path, seed: int, faults: Sequence[str], *, armed: bool =
             controller.close()
         finally:
             tracker.close()
+            if feedback is not None:
+                feedback.close()
 
     return Rig(
         name=config.name,
@@ -61,8 +67,21 @@ def load_physical(file: Path, seed: int, faults: Sequence[str], *, armed: bool =
         begin_case=lambda case_id: controller.begin(first=case_id == CALIBRATION),
         versions={"mitl": __version__, "python": platform.python_version(), "RobotWare": robotware, **_installed()},
         calibration=config.folder / config.calibration if config.calibration else None,
+        feedback=feedback,
         close=close,
     )
+
+
+def open_feedback(config: PhysicalConfig) -> EgmReceiver | None:
+    """Gives the receiver of the controller's own view, listening, or None where the rig file names none."""
+    if config.egm is None:
+        return None
+    host = urlsplit(config.controller.address).hostname or ""
+    try:
+        controller = socket.getaddrinfo(host, None, type=socket.SOCK_DGRAM)[0][4][0]
+    except OSError as error:
+        raise RigError(f"EGM: {host}: {error.strerror or error}") from error
+    return EgmReceiver(config.egm.host, int(config.egm.port), controller=str(controller))
 
 
 def open_tracker(config: PhysicalConfig, clock: MonotonicClock) -> OpenVrTracker:

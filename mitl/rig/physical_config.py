@@ -61,14 +61,30 @@ class SafetyConfig:
 
 
 @dataclass(frozen=True)
+class EgmConfig:
+    """[egm] host, port: where the controller's stream of its own view comes in. device: the UdpUc device on the controller that sends it
+
+    here, which mitl then starts with every program (option 689-1), or "" where something else starts it.
+    """
+
+    host: str = ""
+    port: float = 6510.0
+    device: str = ""
+
+
+@dataclass(frozen=True)
 class PhysicalConfig:
-    """What a rig file says. folder: what paths are relative to. calibration: a stored one, or "" to calibrate every run."""
+    """What a rig file says. folder: what paths are relative to. calibration: a stored one, or "" to calibrate every run.
+
+    egm: None where the controller streams nothing.
+    """
 
     name: str
     robot: str
     controller: ControllerConfig
     tracker: TrackerConfig = field(default_factory=TrackerConfig)
     safety: SafetyConfig = field(default_factory=SafetyConfig)
+    egm: EgmConfig | None = None
     calibration: str = ""
     folder: Path = Path()
 
@@ -88,7 +104,7 @@ def read_physical(file: Path) -> PhysicalConfig:
     """Gives what a rig file says. Raises UsageError naming file, section and key."""
     table = tomllib.loads(file.read_text(encoding="utf-8"))
     for section in table:
-        _known(file, section, ("rig", "controller", "tracker", "safety"), "unknown section or key")
+        _known(file, section, ("rig", "controller", "tracker", "safety", "egm"), "unknown section or key")
     rig = dict(_section(file, table, "rig"))
     for key in rig:
         _known(file, key, ("kind", "robot", "calibration"), "[rig] unknown key")
@@ -100,6 +116,7 @@ def read_physical(file: Path) -> PhysicalConfig:
         controller=_record(file, "controller", _section(file, table, "controller"), ControllerConfig),
         tracker=_record(file, "tracker", _section(file, table, "tracker"), TrackerConfig),
         safety=_record(file, "safety", _section(file, table, "safety"), SafetyConfig),
+        egm=_record(file, "egm", _section(file, table, "egm"), EgmConfig) if "egm" in table else None,
         calibration=_text(file, "rig", "calibration", rig.get("calibration", "")),
         folder=file.parent,
     )
@@ -131,13 +148,17 @@ def _check(file: Path, found: PhysicalConfig) -> None:
             UUID(controller.station)
         except ValueError as error:
             raise UsageError(f"{file}: [controller] station: RobotWare 8 wants a GUID of this computer's own, e.g. from uuidgen") from error
-    ranges = (
+    ranges: list[tuple[str, str, float, float, float]] = [
         ("tracker", "rate_hz", tracker.rate_hz, 10.0, 1000.0),
         ("safety", "corridor_mm", safety.corridor_mm, 1.0, 1000.0),
         ("safety", "tracker_lost_s", safety.tracker_lost_s, 0.05, 10.0),
         ("safety", "first_speed", safety.first_speed, 1.0, 100.0),
         ("safety", "speed", safety.speed, 1.0, 100.0),
-    )
+    ]
+    if found.egm is not None:
+        if not found.egm.port.is_integer():
+            raise UsageError(f"{file}: [egm] port = {found.egm.port:g}: expected a whole number")
+        ranges.append(("egm", "port", found.egm.port, 1.0, 65535.0))
     for section, key, number, least, most in ranges:
         if not least <= number <= most:
             raise UsageError(f"{file}: [{section}] {key} = {number:g}: expected {least:g} to {most:g}")
@@ -145,7 +166,7 @@ def _check(file: Path, found: PhysicalConfig) -> None:
         raise UsageError(f"{file}: [safety] workspace_mm: expected [[x, y, z], [x, y, z]], the least and the greatest")
 
 
-_Record = TypeVar("_Record", ControllerConfig, TrackerConfig, SafetyConfig)
+_Record = TypeVar("_Record", ControllerConfig, TrackerConfig, SafetyConfig, EgmConfig)
 
 
 def _record(file: Path, section: str, table: Mapping[str, Any], kind: type[_Record]) -> _Record:

@@ -1,6 +1,7 @@
 """Records a rig's tracker and robot to MCAP while they run.
 
-Invariant: what is older than a second of the rig's time is in the file, whatever happens to the process (see RecordingWriter).
+Invariant: what is older than a second of the rig's time is in the file, whatever happens to the process (see RecordingWriter); only what
+the controller streams of itself is written at the end.
 """
 
 from __future__ import annotations
@@ -10,10 +11,12 @@ from pathlib import Path
 import numpy as np
 
 from mitl.errors import RigError
+from mitl.feedback import FeedbackSamples
 from mitl.paths import FloatArray, PosePath
 from mitl.protocols import DetailedTracker, ExecutionState, Rig
+from mitl.recording.feedback import feedback_facts, feedback_series, feedback_track
 from mitl.recording.mcap_writer import RecordingWriter
-from mitl.recording.records import JOINTS, TRACKER, Series
+from mitl.recording.records import EGM, EGM_FLANGE, JOINTS, TRACKER, Series
 from mitl.samples import TrackerSamples
 
 FLANGE = "/robot/flange"
@@ -37,6 +40,8 @@ class RigRecorder:
         self._handed_over = rig.clock.now()
         self._wrote_robot = False
         rig.tracker.start()
+        if rig.feedback is not None:
+            rig.feedback.start()
 
     def __enter__(self) -> RigRecorder:
         return self
@@ -45,6 +50,8 @@ class RigRecorder:
         try:
             self._hand_over()
             self._rig.tracker.stop()
+            if self._rig.feedback is not None:
+                self._add_feedback(self._rig.feedback.stop())
         finally:
             self._writer.close()
 
@@ -83,6 +90,16 @@ class RigRecorder:
                 raise RigError(f"the controller stopped on the way to pose {pose}")
             if self._rig.clock.now() - given > timeout:
                 raise RigError(f"pose {pose} was not reached in {timeout:g} s")
+
+    def _add_feedback(self, samples: FeedbackSamples) -> None:
+        """Writes what the controller streamed; as a whole, because its clock is known only then."""
+        self._writer.add_metadata({"egm": feedback_facts(samples)})
+        if not len(samples):
+            return
+        self._writer.add_series(EGM, feedback_series(samples))
+        track = feedback_track(samples)
+        if track is not None:
+            self._writer.add_poses(EGM_FLANGE, track.path, frame=track.frame, body=track.body)
 
     def _hand_over(self) -> None:
         """Writes what has come since the last time."""

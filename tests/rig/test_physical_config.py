@@ -44,6 +44,8 @@ def test_there_are_examples_for_each_generation():
         (GOOD + "[safety]\ncorridor_mm = 0\n", "corridor_mm = 0: expected 1 to 1000"),
         (GOOD + '[safety]\nspeed = "fast"\n', "must be a number"),
         (GOOD + "[safety]\nworkspace_mm = [[0, 0], [1, 1]]\n", "workspace_mm"),
+        (GOOD + "[egm]\nport = 6510.5\n", r"\[egm\] port = 6510.5: expected a whole number"),
+        (GOOD + "[egm]\nport = 0\n", "port = 0: expected 1 to 65535"),
         (GOOD + 'generation = "3"\n', "generation = '3': expected 1 or 2 or 8"),
         (GOOD + 'generation = "8"\n', "GUID"),
         (GOOD + 'fingerprint = "abc"\n', "64 hex digits"),

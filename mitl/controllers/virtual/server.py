@@ -14,6 +14,8 @@ from enum import Enum
 from aiohttp import WSMsgType, web
 
 from mitl.controllers.virtual.answers import Dialect
+from mitl.controllers.virtual.egm_sender import PERIOD as EGM_PERIOD
+from mitl.controllers.virtual.egm_sender import EgmSender
 from mitl.controllers.virtual.service import SUBPROTOCOLS, Request, Response, Service
 from mitl.controllers.virtual.subscriptions import Group
 from mitl.errors import MitlError, UsageError
@@ -35,10 +37,13 @@ class Pace(Enum):
 
 
 class VirtualServer:
-    """A server on host and port (0: any free one). tls: its context, or None for plain HTTP."""
+    """A server on host and port (0: any free one). tls: its context, or None for plain HTTP. egm: streams while time passes, or None."""
 
-    def __init__(self, service: Service, *, host: str, port: int, pace: Pace, tls: ssl.SSLContext | None = None) -> None:
+    def __init__(
+        self, service: Service, *, host: str, port: int, pace: Pace, tls: ssl.SSLContext | None = None, egm: EgmSender | None = None
+    ) -> None:
         self.service = service
+        self._egm = egm
         self._host = host
         self._port = port
         self._pace = pace
@@ -73,6 +78,8 @@ class VirtualServer:
             await asyncio.gather(self._pump, return_exceptions=True)
         if self._runner is not None:
             await self._runner.cleanup()
+        if self._egm is not None:
+            self._egm.close()
         self.service.cell.close()
 
     async def advance(self, seconds: float) -> None:
@@ -81,7 +88,7 @@ class VirtualServer:
 
     async def _run(self) -> None:
         while True:
-            rest = _PERIOD
+            rest = EGM_PERIOD if self._egm is not None else _PERIOD
             match self._pace:
                 case Pace.REALTIME:
                     self._catch_up()
@@ -104,6 +111,8 @@ class VirtualServer:
         except MitlError as error:
             cell.log.add("error", 20000, "The program was stopped", str(error))
             cell.stop()
+        if self._egm is not None:
+            self._egm.send()
         for group, text in self.service.subscriptions.events():
             queue = self._unsent.get(group)
             if queue is not None and not queue.full():
