@@ -169,3 +169,12 @@ def test_the_speed_sags_in_a_zone_by_its_size_on_average():
 def test_an_overshoot_passes_the_stop_and_comes_back():
     assert angle("overshoot=25", 2.01) == pytest.approx(2.025)
     assert angle("overshoot=25", 2.1) == pytest.approx(2.0)
+
+
+def test_acceleration_limits_are_looser_or_gone():
+    limit = effects.LimitPathAcceleration(AT, 1.0, 2.0)
+    gentle = effects.SetAcceleration(AT, 20, 50)
+    assert broken("acceleration-limit-ignored", limit) == effects.LimitPathAcceleration(AT, None, None)
+    assert broken("acceleration-limit-ignored=.5", limit) == effects.LimitPathAcceleration(AT, 2.0, 4.0)
+    assert broken("acceleration-limit-ignored=0", limit) == limit
+    assert broken("acceleration-limit-ignored=.5", gentle) == effects.SetAcceleration(AT, 60, 75)
