@@ -78,7 +78,7 @@ def test_axes(bench: Bench, check: Check) -> None:
 
 
 def _ramps(run: TimedRun, path: PosePath, smooth: float) -> Ramps:
-    """Gives the ramps of every pass of a run's line as they are on `path`, wherever in time they are: a wrong ramp puts off all that follow."""
+    """Gives the ramps of every pass of a run's line on `path`, wherever in time they are: a wrong ramp puts off all that follow."""
     there = run.moves("MoveL")[0]
     line = there.end[:3] - there.start[:3]
     length = float(np.linalg.norm(line))
