@@ -243,9 +243,9 @@ def _load(texts: Sequence[SourceText], signals: Collection[str], *, lenient: boo
     problems = [found for text in parsed for found in text.diagnostics]
     found, declarations = _resolved(parsed, signals, lenient=lenient)
     if problems:
-        raise RapidErrors([*problems, *not_caused(found, problems)])
+        raise RapidErrors(_in_order([*problems, *not_caused(found, problems)], texts))
     if any(finding.severity is Severity.ERROR for finding in found):
-        raise RapidErrors(found)
+        raise RapidErrors(_in_order(found, texts))
     return Program(
         modules=tuple(module.name.text for text in parsed for module in text.modules),
         routines=tuple(symbol for symbol, _, _ in declarations.routines),
@@ -281,8 +281,12 @@ def check_texts(
     if not syntax_only:
         found, _ = _resolved(parsed, signals, lenient=lenient)
         problems += not_caused(found, problems)
+    return _in_order(problems, texts)
+
+
+def _in_order(findings: Sequence[Diagnostic], texts: Sequence[SourceText]) -> list[Diagnostic]:
     order = {text.file: place for place, text in enumerate(texts)}
-    return sorted(problems, key=lambda finding: (order[finding.file], finding.line, finding.column))
+    return sorted(findings, key=lambda finding: (order[finding.file], finding.line, finding.column))
 
 
 def check(

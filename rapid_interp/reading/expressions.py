@@ -289,7 +289,7 @@ class ExpressionParser:
             else:
                 value = self.expression()
                 label = ""
-                if kinds[self.at] == ":=" and value.__class__ is Name and (found or closer == ")" or self._on_line_before(start)):
+                if kinds[self.at] == ":=" and value.__class__ is Name:
                     label = value.text
                     self.at += 1
                     value = self.expression()
@@ -299,10 +299,6 @@ class ExpressionParser:
                 self.at += 1
             elif kind != "\\":
                 return tuple(found)
-
-    def _on_line_before(self, start: int) -> bool:
-        """Gives whether the token before the current `name :=` is on its line; else a `;` was forgotten and an assignment begins."""
-        return self.source.line_of(self.starts[self.at - 2]) == self.source.line_of(start)
 
     def option(self, start: int) -> Argument:
         r"""Gives the optional argument here, after its backslash: `\Switch`, `\Name:=value` or `\Name?parameter`."""

@@ -8,9 +8,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from rapid_interp.reading.expressions import SyntaxProblem
-from rapid_interp.reading.lexer import END, NAME, PLACEHOLDER
+from rapid_interp.reading.lexer import END, NAME, NUMBER, PLACEHOLDER, STRING
 from rapid_interp.reading.resync import ResyncParser
 from rapid_interp.reading.tree import (
+    Argument,
     Assign,
     Branch,
     CallStatement,
@@ -82,9 +83,13 @@ class StatementParser(ResyncParser):
         if following == ":":
             self.at = at + 2
             return Label(self.texts[at], start, self.end_before())
-        if following in (":=", "{", "."):
+        if following in (":=", "{", ".", "="):
             target = self.reference()
-            self.take(":=", "':='")
+            if self.kinds[self.at] == "=":
+                self.report("RAPID-E001", "expected ':=', found '=': it compares, ':=' assigns")
+                self.at += 1
+            else:
+                self.take(":=", "':='")
             value = self.expression()
             self.semicolon()
             return Assign(target, value, start, self.end_before())
@@ -93,7 +98,9 @@ class StatementParser(ResyncParser):
 
     def call(self, name: Name | LateName, start: int) -> CallStatement:
         """Gives the call of `name`; the arguments may stand in parentheses as a whole."""
-        if self.kinds[self.at] == "(" and self._parenthesis_ends_statement():
+        if self._next_statement_begins():
+            arguments: tuple[Argument, ...] = ()
+        elif self.kinds[self.at] == "(" and self._parenthesis_ends_statement():
             self.at += 1
             arguments = self.arguments(")")
             self.take(")")
@@ -101,6 +108,13 @@ class StatementParser(ResyncParser):
             arguments = self.arguments(";")
         self.semicolon()
         return CallStatement(name, arguments, start, self.end_before())
+
+    def _next_statement_begins(self) -> bool:
+        """Gives whether what follows a call's name is a statement of its own on a later line: the `;` was forgotten."""
+        at = self.at
+        kind = self.kinds[at]
+        begins = self.kinds[at + 1] in (":=", NAME, NUMBER, STRING) if kind == NAME else kind in RESTARTS
+        return begins and "\n" in self.source.text[self.end_before() : self.starts[at]]
 
     def _parenthesis_ends_statement(self) -> bool:
         level = 0

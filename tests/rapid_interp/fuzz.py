@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import multiprocessing
 import random
+import re
 import resource
 import signal
 import sys
@@ -21,18 +22,25 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from rapid_interp import RapidError, RapidErrors, SourceText, Task, load_text
+from rapid_interp.effects import Failed, Reply
 from rapid_interp.library.catalogue import catalogue
 from rapid_interp.meaning.types import PREDEFINED
 from rapid_interp.reading.files import decoded
-from rapid_interp.reading.lexer import KEYWORDS, tokenize
+from rapid_interp.reading.lexer import KEYWORDS, NAME, NUMBER, STRING, tokenize
+from tests.rapid_interp.world import World
 
 LIMIT_S, LIMIT_BYTES = 2.0, 500_000_000
 MAX_STEPS, MAX_EFFECTS = 300, 50
+INPUTS = "".join(f"! @ {place} di1={place % 2}\n" for place in range(1, 9)) + "! answer 1\n! answer 2\n" * 3
+WRONG_REPLIES = (0.0, 1.0, 5.5, None, "text", Failed("ERR_ROBLIMIT", "out of reach"), Failed("", "lost"))
+"""What a driver might reply that does not suit the effect, or a refusal."""
 FOLDER = Path(__file__).parent
-SEEDS = [path.read_text() for name in ("programs", "diagnostics", "accepted") for path in sorted((FOLDER / name).glob("*.mod"))]
+VALID = [path.read_text() for name in ("programs", "accepted") for path in sorted((FOLDER / name).glob("*.mod"))]
+SEEDS = VALID + [path.read_text() for path in sorted((FOLDER / "diagnostics").glob("*.mod"))]
 WORDS = [*sorted(KEYWORDS), *'+-*/=<>()[]{},;:.\\?|%!"', ":=", "<>", " x ", "1", "9E9", "0", "-1", "1E30", "\n", '"s"', "<EXP>", "\x00"]
 NAMES = [routine.name for routine in catalogue().values()]
 TYPES = ("num", "bool", "string", "pos", "robtarget", "dnum", "orient", "pose", "clock", "intnum", "speeddata")
+SHAPES = {"row": "{3}", "table": "{3,3}"}
 LITERALS = {
     "num": ("0", "1", "-3", "2.5", "1E30", "9E9", "0xFF"), "bool": ("TRUE", "FALSE"), "string": ('""', '"a"', '"1,2"', '"ä\\\\"'),
     "pos": ("[1,2,3]",), "dnum": ("4294967295",), "orient": ("[1,0,0,0]",), "pose": ("[[1,2,3],[1,0,0,0]]",),
@@ -50,6 +58,7 @@ class Writer:
         self.rng = rng
         self.result = ""
         self.data = {f"{kind}{place}": kind for kind in TYPES for place in range(2)} | {f"{kind}0": kind for kind in sorted(PREDEFINED)}
+        self.rows = {f"{kind}{shape}": f"{kind} {kind}{shape}{size}" for kind in sorted(PREDEFINED) for shape, size in SHAPES.items()}
         self.routines = [f"p{place}" for place in range(rng.randint(1, 3))]
 
     def program(self) -> str:
@@ -61,9 +70,13 @@ class Writer:
         lines += ["  FUNC num f(num n)", *self.block(1), f"    RETURN {self.value('num', 2)};", "  ENDFUNC"]
         self.result = ""
         lines += ["  TRAP t", *self.block(1), "  ENDTRAP"]
+        lines += ["  PROC q(num a, INOUT num b \\num c | string d \\switch on)", *self.block(2), "    IF Present(c) b := c;"]
+        lines += ["    IF a > 0 q a - 1, b\\c?c\\on?on;", *self.handler(), "  ENDPROC"]
         text = "\n".join(lines)
         used = [name for name in self.data if name in text]
         lines[:0] = [f"  {self.rng.choice(('VAR', 'PERS', 'VAR'))} {self.data[name]} {name};" for name in used]
+        words = set(re.findall(r"\w+", text))
+        lines[:0] = [f"  {self.rng.choice(('VAR', 'PERS'))} {self.rows[name]};" for name in self.rows if name in words]
         return "MODULE fuzz\n" + "\n".join(lines) + "\nENDMODULE\n"
 
     def handler(self) -> list[str]:
@@ -86,7 +99,9 @@ class Writer:
             case 2 | 3:
                 return [self.instruction()]
             case 4:
-                return [f"{rng.choice(self.routines)};", f'%"p" + "{rng.randrange(4)}"%;']
+                options = rng.choice(("", "\\c:=2", '\\d:="x"', "\\on", "\\c:=1\\on"))
+                call = f"q {self.value('num', 1)}, {self.place('num')}{options};"
+                return [f"{rng.choice(self.routines)};", call, f'%"p" + "{rng.randrange(4)}"%;']
             case 5:
                 return [f"TPWrite {self.value('string', 2)}\\Num:={self.value('num', 2)};"]
             case 6:
@@ -124,14 +139,19 @@ class Writer:
 
     def arguments(self, head: str) -> str:
         given: list[str] = []
-        for choice in head[head.index("(") + 1 : -1].replace("\\", ",\\").replace(" | ,", " | ").split(","):
+        for choice in head[head.index("(") + 1 : -1].replace("{*,*}", "{**}").replace("\\", ",\\").replace(" | ,", " | ").split(","):
             part = self.rng.choice([(choice[:1] == "\\") * "\\" + one.strip(" \\") for one in choice.strip().split(" | ")])
             words = part.replace("\\", " ").split()
             if not words or (part.strip().startswith("\\") and self.rng.random() < 0.7):
                 continue
             kind, name = words[-2:] if len(words) > 1 else ("num", "x")
+            name, _, shape = name.partition("{")
             kind = {"anytype": "pos", "anydata": "num", "numeric": "num"}.get(kind, kind)
             kind = PREDEFINED[kind].name if kind in PREDEFINED else kind
+            if shape:
+                value = f"{kind}{'table' if '**' in shape else 'row'}"
+                given.append(f"\\{name}:={value}" if part.strip().startswith("\\") else value)
+                continue
             value = self.place(kind) if words[0] in ("INOUT", "VAR", "PERS") else self.value(kind, 1)
             if kind == "switch":
                 given.append(f"\\{name}")
@@ -198,6 +218,43 @@ def tokens_changed(rng: random.Random, text: str) -> str:
     return "\n".join(" ".join(words[at : at + 12]) for at in range(0, len(words), 12))
 
 
+ALIKE = (
+    ("+", "-", "*", "/", "DIV", "MOD"),
+    ("<", ">", "<=", ">=", "=", "<>"),
+    ("AND", "OR", "XOR"),
+    ("RETRY", "TRYNEXT", "RAISE", "RETURN", "EXIT"),
+    ("VAR", "PERS", "CONST"),
+    ("TRUE", "FALSE"),
+)
+NUMBERS = ("0", "1", "-1", "2", "3", "1000", "0.5", "1E30", "9E9", "1E-30", "16777217", "0xFF")
+
+
+def tokens_exchanged_for_alike(rng: random.Random, text: str) -> str:
+    """Gives a text with some tokens exchanged for others of their kind: mostly it still loads and does something else."""
+    source = SourceText("seed", text)
+    tokens = tokenize(source)
+    pieces, ends = [], 0
+    names = [word for kind, word in zip(tokens.kinds, tokens.texts, strict=True) if kind == NAME]
+    strings = [word for kind, word in zip(tokens.kinds, tokens.texts, strict=True) if kind == STRING] + ['""', '"1"']
+    chosen = {rng.randrange(len(tokens.kinds)) for _ in range(rng.randint(1, 12))}
+    for place, (kind, word, start) in enumerate(zip(tokens.kinds, tokens.texts, tokens.starts, strict=True)):
+        alike = next((row for row in ALIKE if kind in row), None)
+        other = word
+        if place in chosen:
+            if kind == NUMBER:
+                other = rng.choice(NUMBERS)
+            elif kind == STRING:
+                other = rng.choice(strings)
+            elif kind == NAME and rng.random() < 0.3:
+                other = rng.choice(names)
+            elif alike:
+                other = rng.choice(alike)
+        if word:
+            pieces += [text[ends:start], other]
+            ends = start + len(word)
+    return "".join(pieces) + text[ends:]
+
+
 def statements_changed(rng: random.Random) -> str:
     """Gives a sample whose lines are exchanged with those of another; lines are mostly statements."""
     lines, others = rng.choice(SEEDS).splitlines(), rng.choice(SEEDS).splitlines()
@@ -253,7 +310,8 @@ def program(seed: int) -> str:
     """Gives the text of a seed number."""
     rng = random.Random(seed)  # noqa: S311 - a fuzzer needs to be repeatable, not secret
     makers: list[Callable[[random.Random], str]] = [
-        from_grammar, lambda rng: tokens_changed(rng, rng.choice(SEEDS)), statements_changed, bytes_changed, from_grammar, bytes_changed,
+        from_grammar, lambda rng: tokens_changed(rng, rng.choice(SEEDS)), statements_changed, bytes_changed, from_grammar,
+        lambda rng: tokens_exchanged_for_alike(rng, rng.choice(VALID)), lambda rng: tokens_exchanged_for_alike(rng, Writer(rng).program()),
     ]  # fmt: skip
     return nested(rng) if seed % 100 == 99 else makers[seed % len(makers)](rng)
 
@@ -273,7 +331,7 @@ def digest(text: str, seed: int = 0) -> str:
             assert finding.format()
         return "refused"
     outcome = "ran"
-    for routine in found.routines:
+    for routine in (routine for routine in found.routines if routine.kind == "PROC" and all(p.optional for p in routine.parameters)):
         try:
             _run(found.start(routine.name, routine.module, max_steps=MAX_STEPS), rng)
         except RapidError as error:
@@ -284,11 +342,12 @@ def digest(text: str, seed: int = 0) -> str:
 
 def _run(task: Task, rng: random.Random) -> None:
     run = task.run()
-    reply: float | None = None
+    world = World(INPUTS)
+    reply: Reply = None
     try:
         for _ in range(MAX_EFFECTS):
-            run.send(reply)
-            reply = rng.choice((0.0, 1.0, 5.5, None)) if rng.random() < 0.1 else rng.choice((0.0, 1.0))
+            effect = run.send(reply)
+            reply = rng.choice(WRONG_REPLIES) if rng.random() < 0.02 else world.reply(effect)
     except StopIteration:
         pass
     finally:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from rapid_interp import SourceText, check, check_texts, load_text
+from rapid_interp import RapidErrors, SourceText, check, check_texts, load_text
 
 FILES = sorted((Path(__file__).parent / "diagnostics").glob("*.mod"))
 EXPECTED = re.compile(r'### "([^"]*)"')
@@ -54,6 +54,12 @@ def test_errors_of_meaning_are_told_beside_syntax_errors_unless_these_caused_the
         (9, "RAPID-E101"),
         (10, "RAPID-E001"),
     ]
+
+
+def test_errors_are_told_in_the_order_of_their_lines_also_when_a_program_is_loaded():
+    with pytest.raises(RapidErrors) as caught:
+        load_text("MODULE m\nPROC main()\nMovL 1;\nx = 1;\nMovJ 2;\nENDPROC\nENDMODULE")
+    assert [found.line for found in caught.value.diagnostics] == [3, 4, 5]
 
 
 def test_a_string_that_is_not_closed_is_one_error():

@@ -10,16 +10,24 @@ MODULE syntax(SYSMODULE)
     ok := (3 + ; ! ### "expected an expression, found ';'"
     IF ok = 1 THAN ! ### "expected THEN, found name 'THAN'"
     ENDIF
+    ok = 4; ! ### "expected ':=', found '=': it compares, ':=' assigns"
+    Stop ! ### "expected ';' at the end of the line, found name 'ok'"
+    ok := 2;
+    TPErase ! ### "expected ';' at the end of the line, found 'RETURN'"
+    RETURN;
+    Stop ! ### "expected ';' at the end of the line, found name 'TPWrite'"
+    TPWrite
+      "arguments may stand on a later line";
     ok := 2 3; ! ### "expected ';', found number '3'"
   ENDPROC
 
   PROC second()
     IF ok = 1 THEN
       ok := 2;
-    ENDWHILE ! ### "wrong END keyword: expected ENDIF to close the IF of line 17, found ENDWHILE [RAPID-E004]"
+    ENDWHILE ! ### "wrong END keyword: expected ENDIF to close the IF of line 25, found ENDWHILE [RAPID-E004]"
     WHILE ok < 3 DO
       Incr ok;
-  ENDPROC ! ### "expected ENDWHILE to close the WHILE of line 20, found 'ENDPROC' [RAPID-E005]"
+  ENDPROC ! ### "expected ENDWHILE to close the WHILE of line 28, found 'ENDPROC' [RAPID-E005]"
 
   PROC third(num) ! ### "expected the name of a parameter"
     ENDFOR ! ### "ENDFOR without a FOR before it"
@@ -36,7 +44,7 @@ MODULE syntax(SYSMODULE)
     CASE 1 ! ### "expected ':'"
       Stop;
     ENDTEST
-  ENDFUNC ! ### "wrong END keyword: expected ENDPROC to close the PROC of line 24, found ENDFUNC"
+  ENDFUNC ! ### "wrong END keyword: expected ENDPROC to close the PROC of line 32, found ENDFUNC"
 
   RECORD r
     num x;
