@@ -194,6 +194,7 @@ KINDS = {
         FaultKind("trigger-late", "triggers come late (or, negative, early)", "I/O", "ms", 60.0, settings.trigger_late),
         FaultKind("trigger-missing", "a share of the triggers does not come", "I/O", "share", 0.2, settings.trigger_missing),
         FaultKind("equip-lag-sign", "EquipLag acts the wrong way; a share of .5 ignores it", "I/O", "share", 1.0, settings.equip_lag_sign),
+        FaultKind("analog-scale", "analog outputs of triggers are too large", "I/O", "per cent", 40.0, settings.analog_scale),
         FaultKind("stop-late", "the motion goes on for a while after a stop was called", "interpolator", "ms", 200.0, stop_delay=1e-3),
         FaultKind("resume-offset", "axis 1 is off after a restart", "interpolator", "deg", 1.5, resume_offset=float(np.radians(1.0))),
         FaultKind("joint-limit-ignored", "axes may turn beyond their range", "planner", "deg", 30.0, make_model=wider_limits),

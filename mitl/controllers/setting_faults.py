@@ -6,6 +6,7 @@ Invariant: a filter is made anew for every run of a program.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import assert_never
 
 from mitl.motion.task_run import EffectFilter
 from rapid_interp import effects
@@ -48,6 +49,31 @@ def equip_lag_sign(share: float) -> EffectFilter:
         return replace(effect, triggers=tuple(replace(one, lag=(1 - 2 * share) * one.lag) for one in effect.triggers))
 
     return turned
+
+
+def analog_scale(per_cent: float) -> EffectFilter:
+    """Gives a filter that makes analog outputs of triggers too large."""
+    factor = 1 + per_cent / 100
+
+    def scaled(action: effects.Action) -> effects.Action:
+        match action:
+            case effects.SetOutput(_, 0.0 | 1.0):
+                return action  # a digital output, or one that makes no difference
+            case effects.RampOutput() | effects.SetOutput():
+                return replace(action, value=factor * action.value)
+            case effects.FollowSpeed():
+                return replace(action, scale=factor * action.scale)
+            case effects.RaiseInterrupt() | effects.CheckSignal():
+                return action
+            case _:
+                assert_never(action)
+
+    def larger(effect: effects.Effect) -> effects.Effect:
+        if not isinstance(effect, effects.TriggerMove):
+            return effect
+        return replace(effect, triggers=tuple(replace(one, action=scaled(one.action)) for one in effect.triggers))
+
+    return larger
 
 
 def acceleration_limits_ignored(share: float) -> EffectFilter:

@@ -10,6 +10,7 @@ calibration = "c.toml"  # a stored calibration beside the rig file, verified at 
 
 [buttons]               # outputs of the controller that are wired to buttons (0 to 14) of the tracker on the flange
 doTrigger = 0
+aoTrigger = { button = 1, above = 5.0 }   # an analog output over a comparator: pressed above that value
 
 [devices.reference]     # further tracked devices, by name; "reference" stands still and tells whether the tracker's frame stays
 tracker = "thesis"      # preset; the rig's own without it
@@ -22,6 +23,7 @@ A [devices] section replaces the built-in reference; an empty one leaves the rig
 from __future__ import annotations
 
 import difflib
+import math
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -59,7 +61,7 @@ class RigConfig:
     """What a rig file says. name: as results call the rig. calibration: a file, or "" for a calibration of every run's own.
 
     poses: RAPID program with the calibration poses, or "" for the robot's.
-    buttons: output of the controller -> button of the tracker. devices: by name. folder: what paths are relative to.
+    buttons: output of the controller -> button of the tracker, pressed above its threshold, 0 without one. devices: by name. folder: what paths are relative to.
     """
 
     name: str = "sim"
@@ -69,7 +71,8 @@ class RigConfig:
     fidelity: str = "kinematic"
     calibration: str = ""
     poses: str = ""
-    buttons: Mapping[str, int] = field(default_factory=lambda: {"doTrigger": 0})
+    buttons: Mapping[str, int] = field(default_factory=lambda: {"doTrigger": 0, "aoTrigger": 1})
+    thresholds: Mapping[str, float] = field(default_factory=lambda: {"aoTrigger": 5.0})
     devices: Mapping[str, DeviceConfig] = field(default_factory=lambda: {REFERENCE: DeviceConfig()})
     folder: Path = Path()
 
@@ -93,7 +96,7 @@ def read_rig(name_or_file: str) -> RigConfig:
         raise UsageError(f"{file}: expected a section [rig]")
     values: dict[str, Any] = {"name": file.stem, "folder": file.parent, **_texts(file, table["rig"])}
     if "buttons" in table:
-        values["buttons"] = _buttons(file, _section(file, table, "buttons"))
+        values["buttons"], values["thresholds"] = _buttons(file, _section(file, table, "buttons"))
     if "devices" in table:
         values["devices"] = {
             name: _device(file, f"devices.{name}", _section(file, table["devices"], name, "devices."))
@@ -126,13 +129,24 @@ def _texts(file: Path, table: Mapping[str, Any]) -> dict[str, str]:
     return dict(table)
 
 
-def _buttons(file: Path, table: Mapping[str, Any]) -> dict[str, int]:
-    for signal, button in table.items():
+def _buttons(file: Path, table: Mapping[str, Any]) -> tuple[dict[str, int], dict[str, float]]:
+    """Gives the button of every output, and the threshold of those that have one."""
+    buttons, thresholds = {}, {}
+    for signal, wire in table.items():
+        button = wire
+        if isinstance(wire, dict):
+            for key in wire:
+                _known(file, key, ("button", "above"), f"[buttons] {signal}: unknown key")
+            button, above = wire.get("button"), wire.get("above", 0.0)
+            if isinstance(above, bool) or not isinstance(above, int | float) or not math.isfinite(above):
+                raise UsageError(f"{file}: [buttons] {signal}: above must be a number, is {above!r}")
+            thresholds[signal] = float(above)
         if isinstance(button, bool) or not isinstance(button, int) or not 0 <= button < _MOST_BUTTONS:
             raise UsageError(f"{file}: [buttons] {signal} must be a button's number, 0 to {_MOST_BUTTONS - 1}, is {button!r}")
-    if len(set(table.values())) < len(table):
+        buttons[signal] = button
+    if len(set(buttons.values())) < len(buttons):
         raise UsageError(f"{file}: [buttons] two outputs drive one button; expected a button for each")
-    return dict(table)
+    return buttons, thresholds
 
 
 def _device(file: Path, section: str, table: Mapping[str, Any]) -> DeviceConfig:

@@ -142,7 +142,8 @@ def _way(device: DeviceConfig, begun: Callable[[], float]) -> Callable[[float], 
 def _wire(config: RigConfig, tracker: SimulatedTracker, controller: SimulatedController, preset: TrackerParameters, seed: int) -> None:
     """Wires the controller's outputs to the tracker's buttons, with delays from the seed."""
     for signal, button in config.buttons.items():
-        tracker.wire(button, WiredButton(partial(controller.output_changes, signal), ButtonInput(preset.button, seed, button)))
+        line = ButtonInput(preset.button, seed, button)
+        tracker.wire(button, WiredButton(partial(controller.output_changes, signal), line, above=config.thresholds.get(signal, 0.0)))
 
 
 @dataclass(frozen=True)

@@ -54,10 +54,15 @@ Changes = Callable[[float, float], Sequence[tuple[float, float]]]
 
 
 class WiredButton:
-    """A button whose line an output of the robot drives; it asks for the output's changes when samples are made."""
+    """A button whose line an output of the robot drives; it asks for the output's changes when samples are made.
 
-    def __init__(self, changes: Changes, line: ButtonInput) -> None:
+    It is pressed while the output is above `above`, as a comparator in an analog output's line does it.
+    """
+
+    def __init__(self, changes: Changes, line: ButtonInput, *, above: float = 0.0) -> None:
         self._changes = changes
+        self._above = above
+        self._pressed = False
         self._line = line
         self._known = -math.inf
 
@@ -65,6 +70,8 @@ class WiredButton:
         """Gives 1 where pressed, else 0, at the next sample times (N,) in s."""
         if len(times):
             for at, value in self._changes(self._known, float(times[-1])):
-                self._line.change(at, value != 0.0)
+                if (value > self._above) != self._pressed:
+                    self._pressed = not self._pressed
+                    self._line.change(at, self._pressed)
             self._known = float(times[-1])
         return self._line.states(times)

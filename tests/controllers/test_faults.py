@@ -178,3 +178,17 @@ def test_acceleration_limits_are_looser_or_gone():
     assert broken("acceleration-limit-ignored=.5", limit) == effects.LimitPathAcceleration(AT, 2.0, 4.0)
     assert broken("acceleration-limit-ignored=0", limit) == limit
     assert broken("acceleration-limit-ignored=.5", gentle) == effects.SetAcceleration(AT, 60, 75)
+
+
+def test_an_analog_output_is_too_large_and_a_digital_one_is_not():
+    def actions(*given):
+        return tuple(effects.Trigger(action=action) for action in given)
+
+    moved = effects.TriggerMove(
+        AT, LINE, actions(effects.SetOutput("ao", 5.0), effects.RampOutput("ao", 5.0, 40.0), effects.SetOutput("do", 1.0))
+    )
+    assert broken("analog-scale=20", moved).triggers == actions(
+        effects.SetOutput("ao", 6.0), effects.RampOutput("ao", 6.0, 40.0), effects.SetOutput("do", 1.0)
+    )
+    follows = effects.TriggerMove(AT, LINE, actions(effects.FollowSpeed("ao", 0.02, 0.0)))
+    assert broken("analog-scale=50", follows).triggers == actions(effects.FollowSpeed("ao", 0.03, 0.0))

@@ -13,6 +13,8 @@ from mitl.errors import UsageError
 from mitl.resources import models_folder
 from mitl.rig import load_rig
 from mitl.rig.config import read_rig
+from mitl.simulation.tracker_button import ButtonInput, WiredButton
+from mitl.simulation.tracker_parameters import Button
 
 RIG = '[rig]\nkind = "simulation"\nrobot = "irb140"\ntracker = "thesis"\n'
 TRIGGER = """MODULE Trigger
@@ -137,6 +139,9 @@ def _program():
     [
         ("[buttons]\ndoA = 15\n", "0 to 14"),
         ("[buttons]\ndoA = 1\ndoB = 1\n", "two outputs"),
+        ("[buttons]\naoA = { button = 1, over = 5 }\n", "unknown key 'over'"),
+        ("[buttons]\naoA = { button = 1, above = 'much' }\n", "must be a number"),
+        ("[buttons]\naoA = { above = 5 }\n", "0 to 14"),
         ("[devices.reference]\nvelocity = [1, 0, 0]\n", "stands still"),
         ("[devices.belt]\nposition = [1, 0]\n", "three numbers"),
         ("[devices.belt]\nspeed = 1\n", "unknown key 'speed'"),
@@ -154,3 +159,15 @@ def test_a_wrong_device_or_button_is_refused_with_file_and_key(tmp_path, text, s
 
 def test_an_empty_section_of_devices_leaves_the_rig_without_a_reference(tmp_path):
     assert not rig_of(tmp_path, "[devices]\n").devices
+
+
+def test_an_analog_output_presses_its_button_above_its_threshold(tmp_path):
+    rig = tmp_path / "analog.toml"
+    rig.write_text(RIG + "[buttons]\naoLevel = { button = 3, above = 2.5 }\n")
+    assert (read_rig(str(rig)).buttons, read_rig(str(rig)).thresholds) == ({"aoLevel": 3}, {"aoLevel": 2.5})
+    levels = [(0.1, 2.0), (0.3, 2.6), (0.5, 9.0), (0.7, 2.5)]
+    line = ButtonInput(Button(-0.6e-3, 16.6e-3), seed=1)
+    button = WiredButton(lambda after, until: [change for change in levels if after < change[0] <= until], line, above=2.5)
+    times = np.arange(0.0, 1.0, 0.004)
+    pressed = times[button.states(times) == 1]
+    assert (pressed[0], pressed[-1]) == (pytest.approx(0.31, abs=0.012), pytest.approx(0.71, abs=0.012))
