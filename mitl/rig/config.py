@@ -61,7 +61,8 @@ class RigConfig:
     """What a rig file says. name: as results call the rig. calibration: a file, or "" for a calibration of every run's own.
 
     poses: RAPID program with the calibration poses, or "" for the robot's.
-    buttons: output of the controller -> button of the tracker, pressed above its threshold, 0 without one. devices: by name. folder: what paths are relative to.
+    buttons: output of the controller -> button of the tracker, pressed above the output's threshold, 0 without one.
+    devices: by name. folder: what paths are relative to.
     """
 
     name: str = "sim"
