@@ -68,6 +68,7 @@ class TaskRun:
         self.at: effects.SourceLine | None = None
         self.finished = False
         self.stopped = False
+        self._stopped_robot = False
         self.ended = 0.0
         self.interrupts = InterruptSources()
         self._generator = generator
@@ -110,6 +111,9 @@ class TaskRun:
     def resume(self, held_at: float, now: float) -> None:
         """Lets the program go on at `now` s after it was held, or stopped by itself, at `held_at` s."""
         self.stopped = False
+        if self._stopped_robot and self._robot is not None:
+            self._stopped_robot = False
+            self._robot.go(now)
         self._waiting = self._waiting.held(held_at, now)
         self._interrupted = [waiting.held(held_at, now) for waiting in self._interrupted]
 
@@ -183,9 +187,11 @@ class TaskRun:
                 raise refusal(effect, "nothing was interrupted")
             case effects.SuperviseZone() | effects.SwitchZone() | effects.FreeZone() | effects.MoveUnits() | effects.CorrectPath():
                 raise refusal(effect, f"{type(effect).__name__} is not supported by this controller")
-            case effects.SetUpGuidance() | effects.ActivateGuidance() | effects.RunGuidance() | effects.StopGuidance():
+            case effects.SetUpGuidance() | effects.StreamPositions() | effects.StopGuidance():
+                return Waiting()  # to stream moves nothing; whoever serves the positions does (mitl serve --egm)
+            case effects.ActivateGuidance() | effects.RunGuidance():
                 raise refusal(effect, "externally guided motion is not supported by this controller")
-            case effects.StreamPositions() | effects.GuidedMove() | effects.ReadGuidanceState():
+            case effects.GuidedMove() | effects.ReadGuidanceState():
                 raise refusal(effect, "externally guided motion is not supported by this controller")
             case effects.ReadSpeedOverride() | effects.ReadSystem() | effects.ReadEvent():
                 raise refusal(effect, f"{type(effect).__name__} is not supported by this controller")
@@ -312,6 +318,9 @@ class TaskRun:
         return Waiting(since=now, event=lambda: max(meeting.met, standing()), latest=latest, reply=reply)
 
     def _stopping(self, effect: effects.StopProgram, now: float) -> Waiting:
+        if effect.at_once and self._robot is not None:
+            self._robot.stop(now, StopKind.PROGRAM)
+            self._stopped_robot = True
         self.ended = self._end_of_motion(now)
         if effect.exits:
             self.close()

@@ -6,20 +6,21 @@ Invariant: nothing moves unarmed, un-pre-flown, with another tool than the progr
 from __future__ import annotations
 
 import math
+import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-import rapid_interp
 from mitl.controllers.rws.controller import RwsController
-from mitl.controllers.virtual.literals import numbers, split
 from mitl.errors import RigError
 from mitl.motion.robot_model import RobotModel
 from mitl.paths import FloatArray
 from mitl.protocols import Clock, ExecutionState, LoggedEvent, Tracker
+from mitl.rig.frames import compare_frames
 from mitl.rig.guardian import Guardian
+from mitl.rig.heartbeat import BEAT, LOOKS, HeartBeat, with_heartbeat
 from mitl.rig.physical_config import PhysicalConfig
 from mitl.rig.shadow import ORDER, Shadow
 from mitl.rig.watchdog import Watchdog
@@ -28,6 +29,8 @@ _THERE = 5e-3
 """rad by which the axes may still be off where the program waits for orders."""
 _SLOWEST, _LATEST, _POLL = 100.0, 10.0, 0.1
 """The least speed ratio is 1 per cent; and some seconds for what is no motion."""
+_HELD = 3
+"""Orders for which each speed of a first pass is held."""
 NOT_ARMED = "the robot is not armed, so nothing was moved: look at the cell, then run mitl verify --arm"
 
 
@@ -49,6 +52,7 @@ class GuardedController:
         self._controller = controller
         self._second = second
         self._safety = config.safety
+        self._egm_device = config.egm.device if config.egm is not None else ""
         self._model = model
         self._tracker = tracker
         self._clock = clock
@@ -60,16 +64,23 @@ class GuardedController:
         self._corridor: cKDTree | None = None
         self._seen = 0.0
         self._watchdog = Watchdog(self._look, second.stop)
+        period = config.safety.heartbeat_s / LOOKS
+        self._heart = HeartBeat(lambda beat: controller.write(BEAT, beat), period, lambda: self._watchdog.alive)
+        self._ramp: list[float] = []
+        self._speed = config.safety.speed
+        self._orders = -1
         corners = np.array(config.safety.workspace_mm) / 1000.0
         self._workspace: FloatArray | None = corners if corners.size else None
 
     # --- Controller ----------------------------------------------------------------------------------------------------------
 
     def load(self, sources: Sequence[Path]) -> None:
-        """Replaces the program by the given module files; the pointer is at main."""
+        """Replaces the program by the given module files with the heartbeat in them; the pointer is at main."""
         self._require_armed()
+        self._heart.rest()
         self._sources, self._shadow = list(sources), None
-        self._controller.load(sources)
+        with tempfile.TemporaryDirectory(prefix="mitl-program-") as folder:
+            self._controller.load(with_heartbeat(sources, Path(folder), self._safety.heartbeat_s, egm_device=self._egm_device))
 
     def start(self) -> None:
         """Compares tools and work objects, pre-flies the way to where the program waits for orders, then starts it."""
@@ -79,14 +90,17 @@ class GuardedController:
         if self._shadow is not None:
             raise RigError("start refused: the program was stopped or has ended; load it again")
         self._require_ready()
-        self._compare_frames()
+        compare_frames(self._sources, self._controller.read)
         shadow = Shadow(self._sources, self._model, self._controller.joints(), self._workspace)
         way = shadow.begin()
         self._shadow = shadow
         self._watch(way)
+        self._controller.set_speed_ratio(min(self._safety.first_speed, self._speed))
+        self._heart.go()
         self._controller.start()
         if shadow.takes_orders():
             self._wait_until_there(shadow)
+            self._controller.set_speed_ratio(self._speed)
 
     def stop(self) -> None:
         """Stops the robot. Safe to call at any time, also twice and unarmed."""
@@ -95,6 +109,7 @@ class GuardedController:
         except RigError:
             self._second.stop()  # the first session may be what is broken
         self._watchdog.rest()
+        self._heart.rest()
 
     def state(self) -> ExecutionState:
         """Gives whether RAPID is executing. Raises RigError with the watchdog's reason where it stopped the robot."""
@@ -115,6 +130,7 @@ class GuardedController:
         if name.lower() == ORDER and _number(literal) != 0:
             self._require_ready()
             self._watch(self._shadow.fly(literal))
+            self._climb()
         else:
             self._shadow.write(name, literal)
         self._controller.write(name, literal)
@@ -142,6 +158,7 @@ class GuardedController:
         if per_cent > self._safety.speed:
             raise RigError(f"speed ratio refused: the rig file allows {self._safety.speed:g} per cent, asked for {per_cent:g}")
         self._controller.set_speed_ratio(per_cent)
+        self._speed = per_cent
 
     def event_log(self) -> list[LoggedEvent]:
         """Gives the events logged since `load`, oldest first."""
@@ -150,19 +167,26 @@ class GuardedController:
     # --- beyond Controller ---------------------------------------------------------------------------------------------------
 
     def begin(self, *, first: bool) -> None:
-        """Sets the speed of what follows: `first` for the session's first motion, at the rig file's first speed. Nothing where unarmed."""
-        if self._armed:
-            self._controller.set_speed_ratio(self._safety.first_speed if first else self._safety.speed)
+        """Sets the speed of the orders that follow: in the session's first pass it climbs from the rig file's first speed, order by order.
+
+        Whatever follows, a program's way to where it waits for orders is driven at the first speed.
+        """
+        full, slow = self._safety.speed, min(self._safety.first_speed, self._safety.speed)
+        self._ramp = [share for share in (slow, 1.5 * slow, 2.0 * slow) if share < full] if first else []
+        self._speed = self._ramp[0] if self._ramp else full
+        self._orders = -1
 
     def close(self) -> None:
         """Stops the robot, puts back what was found on the controller, and lets the guardian go."""
         try:
             self._watchdog.rest()
+            self._heart.rest()
             self._controller.close()
         except RigError:
             self._second.stop()
             raise
         finally:
+            self._heart.close()
             self._watchdog.close()
             if self._guardian is not None:
                 self._guardian.close()
@@ -186,6 +210,18 @@ class GuardedController:
             self._guardian = self._make_guardian()
         if not self._guardian.alive or not self._watchdog.alive:
             raise RigError("the guardian process or the watchdog has ended: nothing may move")
+
+    def _climb(self) -> None:
+        """Sets the speed of the next order of a first pass; each speed is held for three orders."""
+        if not self._ramp:
+            return
+        self._orders += 1
+        step = self._orders // _HELD
+        self._speed = self._ramp[step] if step < len(self._ramp) else self._safety.speed
+        if self._orders % _HELD == 0:
+            self._controller.set_speed_ratio(self._speed)
+        if step >= len(self._ramp):
+            self._ramp = []
 
     def _watch(self, way: FloatArray) -> None:
         if self._corridor is not None:
@@ -231,28 +267,6 @@ class GuardedController:
     def _raise_reason(self) -> None:
         if self._watchdog.reason:
             raise RigError(self._watchdog.reason)
-
-    def _compare_frames(self) -> None:
-        """Raises RigError where a tool or work object has other numbers on the controller than in the program."""
-        program = rapid_interp.load(self._sources)
-        task = program.start()
-        for symbol in program.data:
-            if symbol.type.name not in ("tooldata", "wobjdata") or symbol.storage == "CONST":
-                continue
-            name = f"{symbol.module}:{symbol.name}"
-            ours, theirs = _frame(task.literal(name)), _frame(self._controller.read(name))
-            if len(ours) != len(theirs) or not all(
-                math.isclose(a, b, rel_tol=1e-5, abs_tol=1e-3) for a, b in zip(ours, theirs, strict=True)
-            ):
-                raise RigError(
-                    f"{symbol.type.name} {symbol.name} is {theirs} on the controller but {ours} in the program: nothing was moved"
-                )
-
-
-def _frame(literal: str) -> list[float]:
-    """Gives all poses, masses and centres of a tooldata or wobjdata as numbers."""
-    tree = split(literal)
-    return [number for item in tree if not isinstance(item, str) for number in numbers(item)]
 
 
 def _number(literal: str) -> float:

@@ -6,6 +6,7 @@ Invariant: no key holds a password; an unknown key is refused, because a misspel
 from __future__ import annotations
 
 import difflib
+import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, field, fields
@@ -16,6 +17,8 @@ from uuid import UUID
 from mitl.errors import UsageError
 
 GENERATIONS = ("1", "2", "8")
+EGM_DEVICE = re.compile(r"[A-Za-z0-9_.:-]{1,32}")
+"""Names that a UdpUc device may have: they become part of a program."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +51,8 @@ class SafetyConfig:
     """[safety] unattended: whether --arm is taken without a terminal. corridor_mm: how far the flange may be off its pre-flown way.
 
     tracker_lost_s: how long the tracker may be lost while the robot moves. first_speed: speed ratio in per cent of the session's first
-    motion, the calibration, and speed that of all after it. workspace_mm: [[x, y, z] least, [x, y, z] greatest] of the flange in the base
+    motion, the calibration, from which it climbs, and speed that of all after it. heartbeat_s: after so long without a word of mitl's the
+    program on the controller stops the robot by itself. workspace_mm: [[x, y, z] least, [x, y, z] greatest] of the flange in the base
     frame, or empty for no bound.
     """
 
@@ -57,6 +61,7 @@ class SafetyConfig:
     tracker_lost_s: float = 0.5
     first_speed: float = 25.0
     speed: float = 100.0
+    heartbeat_s: float = 3.0
     workspace_mm: tuple[tuple[float, ...], ...] = ()
 
 
@@ -154,8 +159,11 @@ def _check(file: Path, found: PhysicalConfig) -> None:
         ("safety", "tracker_lost_s", safety.tracker_lost_s, 0.05, 10.0),
         ("safety", "first_speed", safety.first_speed, 1.0, 100.0),
         ("safety", "speed", safety.speed, 1.0, 100.0),
+        ("safety", "heartbeat_s", safety.heartbeat_s, 1.0, 30.0),
     ]
     if found.egm is not None:
+        if found.egm.device and not EGM_DEVICE.fullmatch(found.egm.device):
+            raise UsageError(f"{file}: [egm] device = {found.egm.device!r}: expected the name of a UdpUc device, letters, digits, _ . : -")
         if not found.egm.port.is_integer():
             raise UsageError(f"{file}: [egm] port = {found.egm.port:g}: expected a whole number")
         ranges.append(("egm", "port", found.egm.port, 1.0, 65535.0))

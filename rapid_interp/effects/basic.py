@@ -54,7 +54,11 @@ class Write:
 
 @dataclass(frozen=True, slots=True)
 class StopProgram:
-    """`Stop`, `Exit` or `ExitCycle`-like halt asked by the program itself; after `exits` it cannot be resumed."""
+    """`Stop`, `Exit` or `ExitCycle`-like halt asked by the program itself; after `exits` it cannot be resumed.
+
+    at_once: `Break`, `SystemStopAction`: the robot stops along its path, and does not finish its move first as with `Stop`.
+    """
 
     at: SourceLine
     exits: bool = False
+    at_once: bool = False

@@ -87,7 +87,7 @@ def _type_name(typed: tuple[RapidType, Value]) -> str:
 
 
 def _stop(at: SourceLine, *_: Value) -> Effects:
-    yield StopProgram(at)
+    yield StopProgram(at, at_once=True)
 
 
 def _always(value: Value) -> Callable[..., Value]:

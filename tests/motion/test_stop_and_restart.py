@@ -215,3 +215,17 @@ def test_a_timer_raises_again_and_again_also_while_waiting(prepared):
     run_until(run, 60.0)
     times = np.array([line.time for line in run.written])
     assert np.diff(times) == pytest.approx([0.5] * 3, abs=EXACT)
+
+
+@pytest.mark.parametrize(("instruction", "at_once"), [("Break;", True), ("SystemStopAction \\Stop;", True), ("Stop;", False)])
+def test_a_program_that_stops_itself_in_a_trap_stops_its_arm_at_once_or_at_the_moves_end(prepared, instruction, at_once):
+    run = prepared("CONNECT i1 WITH noted;", "ISignalDI diGo,1,i1;", END, trap=instruction, inputs=[InputChange("diGo", 1, 2.5)])
+    run_until(run, 20.0)
+    assert run.stopped_at is not None
+    end = planned(run, 20.0)[0][0][1]
+    assert (end < 0.19) == at_once
+    assert end == pytest.approx(0.2, abs=EXACT) or at_once
+    run.resume(20.0)
+    run_until(run, 40.0)
+    assert run.finished
+    assert planned(run, 40.0)[0][0][1] == pytest.approx(0.2, abs=EXACT)

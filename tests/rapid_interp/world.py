@@ -71,7 +71,7 @@ def shown(effect: fx.Effect) -> str:
         case fx.SetConfiguration():
             return f"Conf{'J' if effect.joint_moves else 'L'} {'on' if effect.on else 'off'}"
         case fx.StopProgram():
-            return "exit" if effect.exits else "stop"
+            return "exit" if effect.exits else "stop" + " at once" * effect.at_once
         case _:
             return plain(effect)
 

@@ -67,7 +67,7 @@ class Bench:
         self.clock = MonotonicClock()
         self.tracker = SwitchedTracker()
         self.config = ControllerConfig(self.served.address)
-        config = PhysicalConfig("test", "irb140", self.config, safety=SafetyConfig(first_speed=100.0, **safety))
+        config = PhysicalConfig("test", "irb140", self.config, safety=SafetyConfig(**{"first_speed": 100.0, **safety}))
         first, second = (RwsController(transport_to(self.served), self.clock) for _ in range(2))
         self.controller = GuardedController(
             first, second, config, load_robot_model("irb140"), self.tracker, self.clock, armed=armed, guardian=self.guardian
@@ -239,6 +239,33 @@ def test_sigkill_of_the_process_stops_the_robot(make):
         bench.until(lambda: bench.joints()[0] > 2.0)
         os.kill(child.pid, signal.SIGKILL)
         bench.stands_short_of(90.0)
+
+
+def test_without_a_heartbeat_the_program_stops_itself_on_the_controller(make):
+    bench = make(heartbeat_s=1.0).running()
+    bench.controller.write("option", "3")
+    bench.until(lambda: bench.joints()[0] > 2.0)
+    bench.controller._heart.rest()  # as if mitl, its computer and its guardian were gone
+    bench.stands_short_of(90.0)
+    assert any("stopped itself at MitlGuard" in event.text for event in bench.controller.event_log())
+
+
+def test_the_first_pass_begins_slowly_and_climbs_and_the_way_to_a_new_program_is_slow(make):
+    bench = make(first_speed=20.0, speed=60.0)
+    bench.controller.begin(first=True)
+    told = []
+    tell = bench.cell.set_speed_ratio
+    bench.cell.set_speed_ratio = lambda text: (told.append(float(text)), tell(text))
+    bench.running()
+    for _ in range(10):
+        bench.controller._climb()
+    assert told == [20.0, 20.0, 20.0, 30.0, 40.0, 60.0]
+    bench.controller.stop()
+    bench.controller.begin(first=False)
+    bench.running()
+    assert told[-2:] == [20.0, 60.0]
+    bench.controller.close()
+    assert told[-1] == 100.0
 
 
 def test_arming_needs_a_terminal_unless_the_rig_file_allows_unattended_runs(tmp_path):

@@ -137,9 +137,9 @@ MODULE world
     ! => read di1
     ! => tFALSE
     Break;
-    ! => stop
+    ! => stop at once
     SystemStopAction \Stop;
-    ! => stop
+    ! => stop at once
   ERROR
     IF ERRNO = ERR_ROBLIMIT TPWrite "handled";
     TRYNEXT;
