@@ -19,8 +19,10 @@ if TYPE_CHECKING:  # heavy imports only when the command runs
     from mitl.motion.robot_model import RobotModel
     from mitl.motion.signals import InputChange
     from mitl.paths import FloatArray
+    from rapid_interp import Program
 
 _LONGEST = 600.0
+_LEFT_OUT = "RAPID-W202"
 _MOST_TOLD = 8
 _MOST_SAMPLES = 5e7
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
@@ -48,6 +50,11 @@ _SUFFIXES = (".csv", ".mcap")
     type=click.FloatRange(min=0, min_open=True),
     help=f"Cut the program off after so many seconds of the robot's time. Without it, one that runs on after {_LONGEST:g} s is an error.",
 )
+@click.option(
+    "--lenient",
+    is_flag=True,
+    help="Leave out instructions that can change neither motion nor data and are not carried out, with a warning.",
+)
 @click.option("--output", type=click.Path(path_type=Path, dir_okay=False), metavar="OUT.mcap|.csv", help="Write the path here.")
 def oracle_command(
     sources: tuple[Path, ...],
@@ -60,6 +67,7 @@ def oracle_command(
     frame: str,
     view: str,
     max_time: float | None,
+    lenient: bool,
     output: Path | None,
 ) -> None:
     """Run a RAPID program without a rig and write the path of its tool.
@@ -88,7 +96,8 @@ def oracle_command(
     model = load_robot_model(robot)
     try:
         with Progress("computing the path") as progress:
-            run, samples = _computed(sources, routine, assignments, changes, answers, model, rate, frame, view, max_time, progress)
+            program = _loaded(sources, changes, lenient=lenient)
+            run, samples = _computed(program, routine, assignments, changes, answers, model, rate, frame, view, max_time, progress)
             if output is not None:
                 names = " ".join(source.name for source in sources)
                 _write(output, run, samples, {"robot": model.name, "routine": routine, "view": view, "frame": frame, "sources": names})
@@ -106,8 +115,19 @@ def oracle_command(
         click.echo(f"mitl oracle: cut off at --max-time {max_time:g} s while the program was still running", err=True)
 
 
+def _loaded(sources: tuple[Path, ...], changes: list[InputChange], *, lenient: bool) -> Program:
+    """Gives the program, and tells what is left out of it. Raises RapidErrors."""
+    import rapid_interp  # noqa: PLC0415 - see above
+
+    program = rapid_interp.load(sources, signals=[change.name for change in changes], lenient=lenient)
+    for warning in program.warnings if lenient else ():
+        if warning.code == _LEFT_OUT:
+            click.echo(warning.format(), err=True)
+    return program
+
+
 def _computed(
-    sources: tuple[Path, ...],
+    program: Program,
     routine: str,
     assignments: list[tuple[str, str]],
     changes: list[InputChange],
@@ -124,14 +144,12 @@ def _computed(
 
     import numpy as np  # noqa: PLC0415 - see above
 
-    import rapid_interp  # noqa: PLC0415 - see above
     from mitl.errors import MotionError, UsageError  # noqa: PLC0415 - see above
     from mitl.motion.loop_watch import MOST, LoopWatch  # noqa: PLC0415 - see above
     from mitl.motion.offline import Frame, duration_of, run_until, sample, start_run  # noqa: PLC0415 - see above
     from mitl.motion.record import View  # noqa: PLC0415 - see above
     from rapid_interp import RapidError  # noqa: PLC0415 - see above
 
-    program = rapid_interp.load(sources, signals=[change.name for change in changes])
     try:
         task = program.start(routine)
     except RapidError as error:

@@ -18,6 +18,7 @@ from mitl.motion.record import TICK, MotionRecord
 from mitl.motion.robot_effects import RobotEffects, StopKind
 from mitl.motion.signals import InputChange, SignalTable
 from mitl.motion.task_run import Cell, EffectFilter, TaskRun, TimedText
+from mitl.motion.waits import Meetings
 from mitl.paths import FloatArray
 from rapid_interp import effects
 
@@ -59,7 +60,8 @@ class ProgramRun:
         self.record = record
         self.planner = planner
         self.table = SignalTable(inputs, live_inputs)
-        self._cell = Cell(self.table, desk or Desk(), Position(planner, record))
+        tasks = frozenset(task.lower() for task in (name, *(background or ())))
+        self._cell = Cell(self.table, desk or Desk(), Position(planner, record), Meetings(tasks))
         self._motion = MotionQueue(planner, record, now=now, told=self._tell)
         self._actions = PathActions(self.table, tcp_speed=self._tcp_speed, raised=self._raise, stopped=self._stop_motion)
         self._robot = RobotEffects(self._motion, triggered=self._actions.do, told=self._tell)

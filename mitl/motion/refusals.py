@@ -13,10 +13,10 @@ from mitl.paths import FloatArray
 from rapid_interp import effects
 
 
-def refusal(effect: effects.Effect, reason: str) -> MotionError:
-    """Gives the error of an effect that cannot be carried out."""
+def refusal(effect: effects.Effect, reason: str, instruction: str = "") -> MotionError:
+    """Gives the error of an effect that cannot be carried out; `instruction` is its name in RAPID if the effect is called otherwise."""
     at = effect.at
-    return MotionError(f"{type(effect).__name__}: {reason}", module=at.module, line=at.line, file=at.file, column=at.column)
+    return MotionError(f"{instruction or type(effect).__name__}: {reason}", module=at.module, line=at.line, file=at.file, column=at.column)
 
 
 def place(position: FloatArray) -> str:

@@ -306,6 +306,9 @@ class TaskRun:
 
     def _met(self, effect: effects.WaitForTasks, now: float) -> Waiting:
         standing = self._end(now) if effect.in_position else self._here(now)
+        if effect.time_out is None and (absent := self._cell.meetings.absent(effect)):
+            reason = f"waits without end for {', '.join(absent)}: no such task runs here, and no \\TimeOut was given"
+            raise refusal(effect, reason, "WaitSyncTask")
         meeting = self._cell.meetings.join(effect, self.name, now)
         latest = math.inf if effect.time_out is None else now + effect.time_out
 

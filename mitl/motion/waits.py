@@ -61,9 +61,14 @@ class Meeting:
 
 @dataclass(eq=False)
 class Meetings:
-    """The meetings of a controller's tasks."""
+    """The meetings of a controller's tasks. tasks: the names of those that run on it, in lower case."""
 
+    tasks: frozenset[str] = frozenset()
     _open: dict[str, Meeting] = field(default_factory=dict)
+
+    def absent(self, effect: effects.WaitForTasks) -> list[str]:
+        """Gives the tasks that a meeting waits for and that do not run here."""
+        return [name for name in effect.tasks if name.lower() not in self.tasks]
 
     def join(self, effect: effects.WaitForTasks, task: str, now: float) -> Meeting:
         """Gives the meeting that a task comes to at `now` s."""

@@ -246,3 +246,15 @@ def test_a_program_that_cannot_be_run_ends_with_line_and_reason_and_leaves_nothi
 def test_wrong_usage_is_told_apart(program, capsys, words, said):
     assert run(["oracle", *words]) == 2
     assert said in capsys.readouterr().err
+
+
+def test_lenient_leaves_out_what_moves_nothing_and_says_so(tmp_path, capsys):
+    path = tmp_path / "spy.mod"
+    path.write_text('MODULE m\nPROC main()\nSpyStart "x";\nBlink 3;\nTPWrite "on";\nENDPROC\nENDMODULE\n')
+    assert run(["oracle", str(path)]) == 1
+    assert "unknown procedure or instruction 'Blink'" in capsys.readouterr().err
+    assert run(["oracle", str(path), "--lenient"]) == 0
+    shown = capsys.readouterr()
+    assert "left out: SpyStart" in shown.err
+    assert "left out: unknown procedure or instruction 'Blink'" in shown.err
+    assert "0.000 s: on" in shown.out

@@ -135,6 +135,12 @@ def test_what_is_not_simulated_is_told_once(told):
     assert ["eax_a" in event.text for event in run.events] == [True]
 
 
+def test_a_meeting_with_a_task_that_does_not_run_is_an_error_unless_it_times_out(told):
+    declarations = 'PERS tasks both{2} := [["T_ROB1"],["T_BACK"]];\nVAR syncident meet;'
+    with pytest.raises(MotionError, match="waits without end for T_BACK: no such task runs here"):
+        told(START, "WaitSyncTask meet,both;", END, data=declarations)
+
+
 def test_tasks_meet_and_share_data_while_the_arm_moves():
     robot = """MODULE R
   PERS num count := 0;
