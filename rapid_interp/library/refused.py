@@ -33,9 +33,11 @@ _REASONS = {
         DeactProfile CnvGenInstr CnvSync CnvPredictReach IndCnvInit IndCnvEnable IndCnvDisable IndCnvReset IndCnvAddObject
         GetMaxUsageTime ResetMaxUsageTime""",
     "PickMaster's sources of parts are not simulated": """
-        GetItmTgt AckItmTgt NextItmTgt NewItmTgt QStartItmSrc QStopItmSrc FlushItmSrc PickWObj NextWObj MovePnP""",
+        GetItmTgt AckItmTgt NextItmTgt NewItmTgt QStartItmSrc QStopItmSrc FlushItmSrc PickWObj NextWObj MovePnP
+        PmGetProjectInfo PmStartProj PmStopProj PmWaitProjStart PmErrorLog""",
     "grippers and tool changers of add-ins are not simulated": """
         Hand_Initialize Hand_JogInward Hand_JogOutward Hand_MoveTo Hand_GripInward Hand_GripOutward Hand_Stop Hand_SetSpeed
+        Hand_WaitMovingCompleted
         Hand_TurnOnVacuum1 Hand_TurnOffVacuum1 Hand_TurnOnBlow1 Hand_TurnOffBlow1 Hand_TurnOnVacuum2 Hand_TurnOffVacuum2
         Hand_TurnOnBlow2 Hand_TurnOffBlow2 g_Init g_Calibrate g_SetMaxSpd g_SetForce g_JogIn g_JogOut g_MoveTo g_GripIn g_GripOut g_Stop
         g_VacuumOn1 g_VacuumOff1 g_BlowOn1 g_BlowOff1 g_VacuumOn2 g_VacuumOff2 g_BlowOn2 g_BlowOff2

@@ -54,6 +54,9 @@ class StatementParser(ResyncParser):
                 elif kind in INNER_WORDS:
                     self.report("RAPID-E004", f"{kind} without the statement that it belongs to")
                     self.at += 1
+                    if kind == "CASE":
+                        self._list_or_gap(":")
+                    self.at += self.kinds[self.at] == ":"
                 elif kind == ";":
                     self.at += 1
                 else:

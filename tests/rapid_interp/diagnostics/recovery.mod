@@ -57,4 +57,11 @@ MODULE recovery
     list{1.5} := 1; ! ### "index 1.5 is outside"
     grid{3,3} := grid{2,3}; ! ### "index 3 is outside of 1..2"
   ENDPROC
+
+  PROC cases_without_test()
+    CASE 1, 2: ! ### "CASE without the statement that it belongs to [RAPID-E004]"
+      unknown8 := 1; ! ### "unknown name 'unknown8'"
+    DEFAULT: ! ### "DEFAULT without the statement that it belongs to"
+    ENDTEST ! ### "ENDTEST without a TEST before it"
+  ENDPROC
 ENDMODULE
