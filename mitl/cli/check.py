@@ -9,11 +9,12 @@ import json
 import sys
 from collections import Counter
 from collections.abc import Sequence
+from pathlib import Path
 
 import click
 
-from rapid_interp import Diagnostic, Severity, check_texts
-from rapid_interp.reading.files import read_all
+from rapid_interp import Diagnostic, Severity, SourceText, check_texts
+from rapid_interp.reading.files import backup_tasks, read_all
 
 EXIT_ERRORS, EXIT_UNREADABLE = 1, 2
 
@@ -28,11 +29,18 @@ EXIT_ERRORS, EXIT_UNREADABLE = 1, 2
 def check_command(files: tuple[str, ...], syntax_only: bool, lenient: bool, output_format: str) -> None:
     """Check RAPID files (.mod .sys .prg .modx .sysx), what a .pgf lists, or a folder as one program.
 
-    Everything given is checked together as one program. Prints all errors and warnings with their places.
+    Everything given is checked together as one program; of a controller's backup every task is one.
+    Prints all errors and warnings with their places.
     Exit code 1 if there is an error, 2 if a file cannot be read.
     """
-    texts, unreadable = read_all(files)
-    findings = check_texts(texts, syntax_only=syntax_only, lenient=lenient)
+    texts: list[SourceText] = []
+    unreadable: list[OSError] = []
+    findings: list[Diagnostic] = []
+    for program in programs_of(files):
+        read, problems = read_all(program)
+        texts += read
+        unreadable += problems
+        findings += check_texts(read, syntax_only=syntax_only, lenient=lenient)
     if output_format == "json":
         click.echo(as_json(findings))
     elif findings:
@@ -45,6 +53,13 @@ def check_command(files: tuple[str, ...], syntax_only: bool, lenient: bool, outp
         sys.exit(EXIT_UNREADABLE)
     if any(finding.severity is Severity.ERROR for finding in findings):
         sys.exit(EXIT_ERRORS)
+
+
+def programs_of(files: Sequence[str]) -> list[list[str]]:
+    """Gives what belongs to one program each: every task of a backup, and all the rest together."""
+    tasks = {name: [str(task) for task in backup_tasks(Path(name))] for name in files}
+    together = [name for name in files if not tasks[name]]
+    return [*([together] if together else []), *([task] for name in files for task in tasks[name])]
 
 
 def as_text(findings: Sequence[Diagnostic]) -> str:

@@ -5,6 +5,7 @@ Invariant: an unreadable file is an OSError that names it; text in any encoding 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from xml.parsers import expat
@@ -14,6 +15,7 @@ from rapid_interp.source import SourceText
 SUFFIXES = frozenset({".mod", ".sys", ".prg", ".modx", ".sysx"})
 BACKUP_PARTS = frozenset({"PROGMOD", "SYSMOD"})
 """Folders of a task in a controller's backup; together they are the task's program."""
+_TASK = re.compile(r"TASK\d+", re.IGNORECASE)
 MAX_PGF_BYTES = 1_000_000
 
 
@@ -68,10 +70,27 @@ def _files(path: Path) -> list[Path]:
             return [member for listing in lists for member in listed(listing)]
         parts = [path, *(child for child in path.iterdir() if child.is_dir() and child.name.upper() in BACKUP_PARTS)]
         found = sorted(child for part in parts for child in part.iterdir() if child.suffix.lower() in SUFFIXES and child.is_file())
+        if not found and (tasks := backup_tasks(path)):
+            if len(tasks) == 1:
+                return _files(tasks[0])
+            names = ", ".join(str(task.relative_to(path)) for task in tasks)
+            raise OSError(22, f"a backup of {len(tasks)} tasks, which are a program each: give one of {names}", str(path))
         if not found:
             raise FileNotFoundError(2, f"no RAPID file ({', '.join(sorted(SUFFIXES))}, .pgf) in the folder", str(path))
         return found
     return listed(path) if path.suffix.lower() == ".pgf" else [path]
+
+
+def backup_tasks(folder: Path) -> list[Path]:
+    """Gives the folders of the tasks in a controller's backup (`RAPID/TASK1`, or `RAPID` alone); none if the folder is no backup."""
+    if not folder.is_dir():
+        return []
+    root = next((child for child in sorted(folder.iterdir()) if child.is_dir() and child.name.upper() == "RAPID"), None)
+    inner = [child for child in sorted((root or folder).iterdir()) if child.is_dir()]
+    tasks = [child for child in inner if _TASK.fullmatch(child.name)]
+    if not tasks and root is not None and any(child.name.upper() in BACKUP_PARTS for child in inner):
+        return [root]
+    return tasks
 
 
 def listed(listing: Path) -> list[Path]:

@@ -78,3 +78,14 @@ def test_lenient_only_warns_of_unknown_instructions_that_change_nothing(tmp_path
     found = invoke(path, "--lenient")
     assert found.exit_code == 0
     assert "3:3: warning: left out: unknown procedure or instruction 'Blink'" in found.output
+
+
+def test_every_task_of_a_backup_is_a_program_of_its_own(tmp_path):
+    for task, body in (("TASK1", "Stop;"), ("TASK2", "MovL;")):
+        folder = tmp_path / "RAPID" / task / "PROGMOD"
+        folder.mkdir(parents=True)
+        (folder / "m.mod").write_text(f"MODULE m\nPROC main()\n{body}\nENDPROC\nENDMODULE\n")
+    result = invoke(tmp_path)
+    assert result.exit_code == 1
+    assert result.stdout.count("error:") == 1
+    assert "TASK2" in result.stdout

@@ -103,3 +103,19 @@ def test_syntax_only_asks_for_no_names(tmp_path):
     path.write_text("MODULE a\nPROC main()\nelsewhere x;\nENDPROC\nENDMODULE")
     assert check([path], syntax_only=True) == []
     assert [f.code for f in check([path])] == ["RAPID-E102"]
+
+
+def backup(folder, *tasks):
+    for place, task in enumerate(tasks):
+        inner = folder / "RAPID" / task / "PROGMOD"
+        inner.mkdir(parents=True)
+        (inner / "m.mod").write_text(f'MODULE m\nPROC main()\nTPWrite "{place}";\nENDPROC\nENDMODULE\n')
+    (folder / "SYSPAR").mkdir()
+    return folder
+
+
+def test_a_backup_of_one_task_is_its_program_and_one_of_several_says_which_there_are(tmp_path):
+    assert load([backup(tmp_path / "one", "TASK1")]).modules == ("m",)
+    assert load([backup(tmp_path / "old", "")]).modules == ("m",)
+    with pytest.raises(OSError, match=r"give one of RAPID.TASK1, RAPID.TASK2"):
+        load([backup(tmp_path / "two", "TASK1", "TASK2")])
