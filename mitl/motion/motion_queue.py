@@ -14,7 +14,7 @@ from mitl.motion.moves import PlannedMove
 from mitl.motion.pace import StartTooFastError
 from mitl.motion.record import MotionRecord
 from mitl.motion.segments import CannotGoOnError, Queued, Rest, Segment, braked, taken_over
-from mitl.motion.trigger_times import PREFETCH, passed_time, release_time, trigger_time, zone_time
+from mitl.motion.trigger_times import PREFETCH, bend_time, passed_time, release_time, trigger_time
 from mitl.paths import FloatArray
 from rapid_interp.effects import Trigger
 
@@ -128,7 +128,7 @@ class MotionQueue:
         if found is None:
             return self._not_planned(move)
         segment, index = found
-        zone = segment.start + zone_time(segment.chain, index)
+        zone = segment.start + bend_time(segment.chain, index)
         braking = segment.end - segment.brakes_from() if index == len(segment.moves) - 1 else 0.0
         return zone - max(PREFETCH, braking) - self.record.half_filter
 

@@ -12,7 +12,7 @@ import numpy as np
 from mitl.errors import MitlError
 from mitl.motion.chain import Chain, Start
 from mitl.motion.moves import PlannedMove
-from mitl.motion.trigger_times import zone_time
+from mitl.motion.trigger_times import bend_time
 from mitl.paths import FloatArray
 
 _STEP = 1e-3
@@ -69,7 +69,7 @@ class Segment:
 
     def goes_on_until(self) -> float:
         """Gives the time in s until which moves behind its last one can be added without a stop there."""
-        return min(self.brakes_from(), self.start + zone_time(self.chain, len(self.moves) - 1))
+        return min(self.brakes_from(), self.start + bend_time(self.chain, len(self.moves) - 1))
 
 
 @dataclass(frozen=True, eq=False)

@@ -53,6 +53,14 @@ def zone_time(chain: Chain, index: int) -> float:
     return _passed(chain, chain.path.last_zone_begin(move.zone.radius))
 
 
+def bend_time(chain: Chain, index: int) -> float:
+    """Gives the time in s on the chain at which its move number `index` leaves its own course: its zone or its orientation zone begins."""
+    move = chain.moves[index]
+    if index < len(chain.moves) - 1 or move.fine:
+        return zone_time(chain, index)
+    return _passed(chain, chain.path.last_zone_begin(max(move.zone.radius, move.zone.turn_radius)))
+
+
 def passed_time(chain: Chain, index: int) -> float:
     """Gives the time in s on the chain at which its move number `index` ends: the middle of its corner, or its stop."""
     return _passed(chain, float(chain.path.leg_ends()[index + 1]))
