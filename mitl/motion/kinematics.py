@@ -9,8 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from py_opw_kinematics import KinematicModel, Robot
-from scipy.spatial.transform import RigidTransform
+from scipy.spatial.transform import RigidTransform, Rotation
 
+from mitl.motion.closed_form import ClosedForm
 from mitl.motion.robot_model import RobotModel
 from mitl.paths import FloatArray
 
@@ -54,6 +55,7 @@ class Arm:
         o1, o2, o3, o4, o5, o6 = opw.offsets.tolist()
         f1, f2, f3, f4, f5, f6 = (opw.signs < 0).tolist()
         lengths = (opw.a1, opw.a2, opw.b, opw.c1, opw.c2, opw.c3, opw.c4)
+        self._closed_form = ClosedForm(opw)
         self._robot = Robot(KinematicModel(*lengths, offsets=(o1, o2, o3, o4, o5, o6), flip_axes=(f1, f2, f3, f4, f5, f6)), degrees=False)
 
     def flange(self, q: FloatArray) -> RigidTransform:
@@ -63,7 +65,22 @@ class Arm:
 
     def joints(self, X_BF: RigidTransform, near: FloatArray) -> FloatArray:
         """Gives joints (N, 6) that follow N poses without a jump, beginning near `near` (6,); rows are NaN where out of reach."""
-        raw: FloatArray = self.model.from_links(np.asarray(self._robot.batch_inverse(X_BF, tuple(self.model.between_links(near)))))
+        return self.joints_of_flange(X_BF.translation, X_BF.rotation.as_matrix(), near)
+
+    def joints_of_tip(self, position: FloatArray, R_BT: FloatArray, X_FT: RigidTransform, near: FloatArray) -> FloatArray:
+        """Gives `joints` for positions (N, 3) and rotations (N, 3, 3) of the tip of a tool X_FT."""
+        X = X_FT.as_matrix()
+        R_BF = R_BT @ X[:3, :3].T
+        return self.joints_of_flange(position - R_BF @ X[:3, 3], R_BF, near)
+
+    def joints_of_flange(self, position: FloatArray, R_BF: FloatArray, near: FloatArray) -> FloatArray:
+        """Gives `joints` for positions (N, 3) and rotations (N, 3, 3) of the flange."""
+        between = self.model.between_links(near)
+        along = self._closed_form.joints(position, R_BF, between, WRIST_WINDOW) if len(position) else None
+        if along is not None:
+            return self.model.from_links(along)
+        X_BF = RigidTransform.from_components(position, Rotation.from_matrix(R_BF))
+        raw: FloatArray = self.model.from_links(np.asarray(self._robot.batch_inverse(X_BF, tuple(between))))
         chained = np.vstack([near, raw])
         steps = np.diff(chained, axis=0)
         turns = np.round(np.nan_to_num(steps) / _TURN)

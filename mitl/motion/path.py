@@ -187,8 +187,8 @@ class Path:
                 X_BT = self.arm.flange(joints[run]) * X_FT
                 position[run], quaternion[run] = X_BT.translation, X_BT.rotation.as_quat()
             else:
-                X_BT = RigidTransform.from_components(position[run], Rotation.from_quat(quaternion[run]))
-                joints[run] = self.arm.joints(X_BT * X_FT.inv(), self.legs[leg_of[run[0]]].joints_near(float(x[run[0]])))
+                R_BT = Rotation.from_quat(quaternion[run]).as_matrix()
+                joints[run] = self.arm.joints_of_tip(position[run], R_BT, X_FT, self.legs[leg_of[run[0]]].joints_near(float(x[run[0]])))
         return Sample(position, Rotation.from_quat(quaternion), joints, leg_of)
 
     def positions(self, s: FloatArray) -> tuple[FloatArray, Rotation]:
@@ -328,8 +328,7 @@ class Path:
         order = np.argsort(np.abs(u[own]))
         asked = np.concatenate([origin + step * np.array([1.0, 2.0, 3.0]) * span, x[own][order]])
         if leg.held_wrist is None:
-            X_BT = RigidTransform.from_components(leg.position(asked), leg.rotation(asked))
-            q = self.arm.joints(X_BT * leg.X_FT.inv(), q_corner)
+            q = self.arm.joints_of_tip(leg.position(asked), leg.rotation(asked).as_matrix(), leg.X_FT, q_corner)
         else:
             q = self.arm.joints_with_wrist(leg.position(asked), _wrist(leg, asked), leg.X_FT, np.tile(q_corner[:3], (len(asked), 1)))
         tangent = (18 * q[0] - 9 * q[1] + 2 * q[2] - 11 * q_corner) / 6

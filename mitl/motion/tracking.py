@@ -8,8 +8,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from scipy.spatial.transform import RigidTransform
-
 from mitl.motion.kinematics import STRAIGHT_THROUGH, Arm
 from mitl.motion.legs import CartesianLeg
 from mitl.motion.orientation import HeldWrist
@@ -75,7 +73,7 @@ def _by_wrist(arm: Arm, effect: effects.Motion, leg: CartesianLeg, wrist: HeldWr
 
 def _tracked(arm: Arm, effect: effects.Motion, leg: CartesianLeg, marks: FloatArray) -> CartesianLeg:
     position, rotation = leg.position(marks[1:]), leg.rotation(marks[1:])
-    q = arm.joints(RigidTransform.from_components(position, rotation) * leg.X_FT.inv(), leg.q_start)
+    q = arm.joints_of_tip(position, rotation.as_matrix(), leg.X_FT, leg.q_start)
     lost = np.isnan(q).any(axis=1)
     if lost.any():
         raise refusal(effect, f"out of reach at {place(position[int(np.argmax(lost))])}")
