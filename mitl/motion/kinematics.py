@@ -130,8 +130,8 @@ class Arm:
         return Configuration(cf1, cf4, cf6, self.solution_index(q))
 
     def within_limits(self, q: FloatArray, slack: float = 1e-9) -> bool:
-        """Gives whether joints (6,) keep the axis limits to within `slack` rad."""
-        return bool(np.all(q >= self.model.lower - slack) and np.all(q <= self.model.upper + slack))
+        """Gives whether joints (6,) or (N, 6) keep the axis limits to within `slack` rad."""
+        return bool((q >= self.model.lower - slack).all() and (q <= self.model.upper + slack).all())
 
     def turned_near(self, q: FloatArray, near: FloatArray) -> FloatArray:
         """Gives q (6,) with every axis turned by full turns as near to `near` as its limits allow; ranges reach beyond half a turn."""

@@ -7,6 +7,7 @@ Invariant: for a Cartesian leg the TCP's distance is x * travel / length exactly
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.spatial.transform import RigidTransform, Rotation
@@ -111,12 +112,12 @@ class CartesianLeg:
     marks: FloatArray
     track: FloatArray
 
-    @property
+    @cached_property
     def q_start(self) -> FloatArray:
         """Gives the joints (6,) rad at the leg's start."""
         return np.asarray(self.track[0])
 
-    @property
+    @cached_property
     def q_end(self) -> FloatArray:
         """Gives the joints (6,) rad at the leg's end."""
         return np.asarray(self.track[-1])
@@ -131,7 +132,7 @@ class CartesianLeg:
         """Gives the angle in rad by which the tool would turn if it did all along as at its quickest."""
         return self.turn.turning
 
-    @property
+    @cached_property
     def length(self) -> float:
         """Gives the range of the leg's coordinate in m: the TCP's way, or more where the leg is mostly turning."""
         return max(self.travel, TURNING_RADIUS * self.turning)
@@ -179,12 +180,12 @@ class JointLeg:
     quickest: float
     ways: FloatArray | None = None
 
-    @property
+    @cached_property
     def turning(self) -> float:
         """Gives the largest joint's way in rad."""
         return float(np.abs(self.q_end - self.q_start).max())
 
-    @property
+    @cached_property
     def length(self) -> float:
         """Gives the range of the leg's coordinate in m."""
         return max(self.travel, TURNING_RADIUS * self.turning)

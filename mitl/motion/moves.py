@@ -66,6 +66,8 @@ class MovePlanner:
         self.arm = Arm(model)
         self._law = orientation_law
         self._tools: dict[data.Pose, RigidTransform] = {}
+        nowhere = RigidTransform.identity()
+        self._arrived = (np.empty(0), nowhere, nowhere)
 
     def plan(self, effect: effects.Motion, q_start: FloatArray, settings: MoveSettings) -> PlannedMove:
         """Gives the leg of one instruction that begins at joints q_start (6,) rad. Raises MotionError where it cannot be moved as told."""
@@ -77,7 +79,7 @@ class MovePlanner:
             # One transform a tool: legs compare tools by identity.
             X_FT = self._tools.setdefault(effect.tool.tframe, bridge.tool_frame(effect.tool))
             X_BO = bridge.work_object_frame(effect.wobj)
-            leg = self._leg(effect, q_start, X_FT, X_BO * bridge.displacement(settings.displacement), settings)
+            leg = self._leg(effect, q_start, X_FT, bridge.displaced_frame(effect.wobj.uframe, effect.wobj.oframe, settings.displacement), settings)
             if leg.length < _SHORTEST_MOVE:
                 leg = JointLeg(q_start, q_start, X_FT, 0.0, 0.0, 0.0)
         except (GeometryError, ValueError) as error:
@@ -131,7 +133,7 @@ class MovePlanner:
         X_BD: RigidTransform,
         settings: MoveSettings,
     ) -> CartesianLeg:
-        X_BT_start = self.arm.flange(q_start) * X_FT
+        X_BT_start = self._tip(q_start, X_FT)
         X_BT_end = X_BD * bridge.target_frame(effect.target)
         start, end = X_BT_start.translation, X_BT_end.translation
         R_start, R_end = X_BT_start.rotation, X_BT_end.rotation
@@ -152,7 +154,14 @@ class MovePlanner:
             raise refusal(
                 effect, f"the move ends in configuration {self.arm.configuration(leg.q_end)}, programmed is {wanted} (or use ConfL \\Off)"
             )
+        if leg.held_wrist is None:
+            self._arrived = (leg.q_end, X_FT, X_BT_end)
         return leg
+
+    def _tip(self, q: FloatArray, X_FT: RigidTransform) -> RigidTransform:
+        """Gives X_BT at joints (6,) rad; where the last leg ended there, as it was programmed."""
+        known, tool, X_BT = self._arrived
+        return X_BT if q is known and X_FT is tool else self.arm.flange(q) * X_FT
 
     def _arc_turn(self, effect: effects.MoveC, arc: Arc, R: tuple[Rotation, Rotation, Rotation], settings: MoveSettings) -> Turn:
         """Gives how the tool turns along an arc through three orientations, by CirPathMode."""

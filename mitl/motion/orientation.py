@@ -40,7 +40,7 @@ class EvenTurn:
         """Gives R_BT at shares (N,)."""
         return self.R_start * Rotation.from_rotvec(self.law(share)[:, None] * self.turn)
 
-    @property
+    @cached_property
     def turning(self) -> float:
         """Gives the angle in rad by which the tool turns."""
         return float(np.linalg.norm(self.turn))

@@ -49,12 +49,13 @@ def followed(arm: Arm, effect: effects.Motion, leg: CartesianLeg) -> CartesianLe
         step, axis = np.unravel_index(int(np.argmax(jumps)), jumps.shape)
         near = place(leg.position(leg.marks[[step + 1]])[0])
         raise refusal(effect, f"singularity: axis {axis + 1} would turn {np.degrees(jumps.max()):.0f} deg at once near {near}")
-    through = np.diff(np.signbit(leg.track[:, 4])) & _uneven(leg.marks, leg.track)
-    if through.any():
+    through = np.diff(np.signbit(leg.track[:, 4]))
+    if through.any() and (through := through & _uneven(leg.marks, leg.track)).any():
         near = place(leg.position(leg.marks[[int(np.argmax(through))]])[0])
         raise refusal(effect, f"singularity: axes 4 and 6 would turn over at once near {near}, where axis 5 goes through 0")
-    for row in leg.track[1:]:
-        refuse_beyond_limits(arm, effect, row)
+    if not arm.within_limits(leg.track[1:]):
+        for row in leg.track[1:]:
+            refuse_beyond_limits(arm, effect, row)
     return leg
 
 
@@ -92,6 +93,9 @@ def _near_singularity(marks: FloatArray, track: FloatArray) -> BoolArray:
     First axis 5 decides, which a long step may carry through 0 where the wrist really turns over; then how evenly the joints run.
     """
     step = np.diff(track, axis=0)
+    largest = np.abs(step).max()
+    if 2 * largest < _UNEVEN and np.abs(track[:, 4]).min() > largest:
+        return np.zeros(len(step), dtype=bool)  # as nearly everywhere
     width = np.diff(marks)
     wrist = np.abs(step[:, 4])
     wrist[1:] = np.maximum(wrist[1:], np.abs(step[:-1, 4]))
