@@ -12,8 +12,8 @@ import numpy as np
 
 from mitl.motion.grid import Grid
 from mitl.motion.legs import CartesianLeg
-from mitl.motion.path import IndexArray, Path
-from mitl.paths import BoolArray, FloatArray
+from mitl.motion.path import Path
+from mitl.paths import BoolArray, FloatArray, IndexArray
 
 _STEPS = 8
 _CLOSE = 1e-4

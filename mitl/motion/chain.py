@@ -16,12 +16,12 @@ from mitl.motion.limits import Limits, limits_of
 from mitl.motion.moves import MovePlanner, PlannedMove
 from mitl.motion.orientation import OrientationLaw, evenly
 from mitl.motion.pace import fastest
-from mitl.motion.path import Corner, IndexArray, Path
+from mitl.motion.path import Corner, Path
 from mitl.motion.refusals import beyond, place, refusal
 from mitl.motion.robot_model import RobotModel
 from mitl.motion.settings import MoveSettings
 from mitl.motion.timing import Timing, braked, standing
-from mitl.paths import BoolArray, FloatArray
+from mitl.paths import BoolArray, FloatArray, IndexArray
 from rapid_interp import effects
 
 _SLOWEST_SHARE = 2e-3
@@ -92,17 +92,20 @@ class Planner:
         """Gives the leg of one instruction that begins at joints q_start (6,) rad. Raises MotionError where it cannot be moved as told."""
         return self._moves.plan(effect, q_start, settings)
 
-    def plan_chain(self, moves: Sequence[PlannedMove], *, speed_ratio: float = 1.0, start: Start | None = None) -> Chain:
-        """Gives the timed chain of moves, to rest, from rest at its beginning or from `start` on its way.
+    def plan_chain(
+        self, moves: Sequence[PlannedMove], *, speed_ratio: float = 1.0, start: Start | None = None, share: float = 1.0
+    ) -> Chain:
+        """Gives the timed chain of moves, to rest, from rest at its beginning or from `start` on its way, with a share of the drives.
 
         Raises MotionError where a corner cannot be passed, StartTooFastError where `start` leaves no way to go on.
         """
         path = Path(self.arm, [move.leg for move in moves], [_fitted(*pair) for pair in itertools.pairwise(moves)])
         if path.length == 0:
             return Chain(tuple(moves), path, standing(0.0))
+        dynamics = [replace(move.dynamics, acceleration=share * move.dynamics.acceleration) for move in moves]
         grid = cut(path, np.array([move.fastest for move in moves]), self.model)
         self._refuse_unreachable(moves, grid)
-        limits = limits_of(path, grid, [move.speed for move in moves], [move.dynamics for move in moves], self.model, speed_ratio)
+        limits = limits_of(path, grid, [move.speed for move in moves], dynamics, self.model, speed_ratio)
         self._refuse_singular(moves, grid, limits)
         position = 0.0 if start is None else float(path.leg_ends()[start.leg]) + start.position
         timing = fastest(limits, _kinks(grid).tolist(), position, 0.0 if start is None else start.speed)

@@ -49,7 +49,7 @@ class AxisLimits:
 
     acceleration: FloatArray
 
-    PLANNED = 0.92
+    PLANNED = 0.94
     """Share that a plan uses: where a path bends more and more, the arm, which lags, comes faster than planned. ASSUMPTION A-111."""
 
     def efforts(self, q: FloatArray, rate: FloatArray, bend: FloatArray) -> Efforts:

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mitl.motion.path import IndexArray, Path, Sample
+from mitl.motion.path import Path, Sample
 from mitl.motion.robot_model import RobotModel
-from mitl.paths import FloatArray
+from mitl.paths import FloatArray, IndexArray
 
 _INTERVALS = 4
 """Intervals in a piece of path: the fewest that five-point differences need."""

@@ -16,9 +16,9 @@ from mitl.motion.dynamics import Dynamics
 from mitl.motion.effort import Efforts
 from mitl.motion.grid import STATIONS, Grid
 from mitl.motion.legs import CartesianLeg, JointLeg
-from mitl.motion.path import IndexArray, Path
+from mitl.motion.path import Path
 from mitl.motion.robot_model import RobotModel
-from mitl.paths import BoolArray, FloatArray
+from mitl.paths import BoolArray, FloatArray, IndexArray
 
 CONTROLLER_TICK = 4.032e-3
 """A zone lasts at least this long, in s (`facts/planner.md`, item 2)."""
@@ -133,7 +133,12 @@ class Limits:
 
 
 def limits_of(
-    path: Path, grid: Grid, speeds: Sequence[LegSpeed], dynamics: Sequence[Dynamics], model: RobotModel, speed_ratio: float = 1.0
+    path: Path,
+    grid: Grid,
+    speeds: Sequence[LegSpeed],
+    dynamics: Sequence[Dynamics],
+    model: RobotModel,
+    speed_ratio: float = 1.0,
 ) -> Limits:
     """Gives the limits of a path whose legs have programmed speeds, scaled by `speed_ratio`, and dynamics."""
     count = len(grid)

@@ -19,6 +19,9 @@ from mitl.paths import FloatArray
 from rapid_interp.effects import Trigger
 
 _SAME = 1e-9
+_MOST_EASINGS = 4
+_EASED = 0.98
+"""Share of the drives that is aimed at where they were asked too much of."""
 _LONG_AGO = 1.0
 """Motion that ended longer ago (s) is not looked at again."""
 
@@ -105,6 +108,7 @@ class MotionQueue:
             segment = self._carried_on(now, group) or self._set_out(now, group)
             del self._waiting[: fine + 1]
             self._schedule(segment, now)
+            self._ease(segment, now)
 
     # --- times ---------------------------------------------------------------------------------------------------------------
 
@@ -259,6 +263,25 @@ class MotionQueue:
         self._goes_on = self._free - self.record.half_filter if last.fine else -math.inf
         self._time_events(now)
 
+    def _ease(self, segment: Segment, now: float) -> None:
+        """Plans a segment anew with less of the drives where the tool's motion, which lags behind the plan, asks too much of them.
+
+        A plan keeps a margin for that (A-111); this is for paths that bend so suddenly that it does not do.
+        """
+        share = 1.0
+        for _ in range(_MOST_EASINGS):
+            strain = self.record.strain(segment.start)
+            if strain <= 1:
+                return
+            share *= _EASED / strain
+            plans, ratio = [queued.plan for queued in segment.moves], self.speed_ratio * self.refreshed
+            try:
+                chain = self.planner.plan_chain(plans, speed_ratio=ratio, start=segment.begin, share=share)
+            except StartTooFastError:
+                return  # what is under way is too fast already
+            segment = replace(segment, chain=chain)
+            self._schedule(segment, now)
+
     def _take_back(self, segment: Segment) -> None:
         """Takes a segment back that has not begun."""
         lead, onward = segment.moves[: segment.under_way], segment.moves[segment.under_way :]
@@ -278,6 +301,8 @@ class MotionQueue:
                 event.time = event.time if event.time <= now else math.inf
                 continue
             segment, index = found
+            if event.time < segment.start:
+                continue  # what was planned before the segment took over still holds
             chain = segment.chain
             time = release_time(chain, index) if event.trigger is None else trigger_time(chain, index, event.trigger)
             if time > -math.inf:

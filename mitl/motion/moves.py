@@ -79,7 +79,8 @@ class MovePlanner:
             # One transform a tool: legs compare tools by identity.
             X_FT = self._tools.setdefault(effect.tool.tframe, bridge.tool_frame(effect.tool))
             X_BO = bridge.work_object_frame(effect.wobj)
-            leg = self._leg(effect, q_start, X_FT, bridge.displaced_frame(effect.wobj.uframe, effect.wobj.oframe, settings.displacement), settings)
+            X_BD = bridge.displaced_frame(effect.wobj.uframe, effect.wobj.oframe, settings.displacement)
+            leg = self._leg(effect, q_start, X_FT, X_BD, settings)
             if leg.length < _SHORTEST_MOVE:
                 leg = JointLeg(q_start, q_start, X_FT, 0.0, 0.0, 0.0)
         except (GeometryError, ValueError) as error:

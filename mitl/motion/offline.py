@@ -17,12 +17,11 @@ from mitl.motion import bridge
 from mitl.motion.answers import Desk
 from mitl.motion.chain import Planner
 from mitl.motion.kinematics import Arm
-from mitl.motion.path import IndexArray
 from mitl.motion.program_run import ProgramRun, joints_home
 from mitl.motion.record import TICK, ExecutedMove, MotionRecord, View
 from mitl.motion.robot_model import RobotModel
 from mitl.motion.signals import InputChange
-from mitl.paths import FloatArray, PosePath
+from mitl.paths import FloatArray, IndexArray, PosePath
 from mitl.poses import pose_of
 from mitl.protocols import ProgrammedMove
 from rapid_interp import effects

@@ -13,9 +13,8 @@ import numpy as np
 
 from mitl.errors import MitlError
 from mitl.motion.limits import HalfPlanes, Limits
-from mitl.motion.path import IndexArray
 from mitl.motion.timing import Timing, standing
-from mitl.paths import BoolArray, FloatArray
+from mitl.paths import BoolArray, FloatArray, IndexArray
 
 _MOST_NEWTON_STEPS = 50
 _REACHED = 1e-12

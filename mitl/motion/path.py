@@ -10,17 +10,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline, PPoly
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from mitl.motion.coordinate import CornerNodes, chain_nodes, quintic, regular
+from mitl.motion.curves import Curves
 from mitl.motion.kinematics import Arm
 from mitl.motion.legs import CartesianLeg, JointLeg, Leg
 from mitl.motion.zones import FLAT, blended, off_corner, orientation_blend, position_blend, position_blend_slope
-from mitl.paths import BoolArray, FloatArray
-
-IndexArray = NDArray[np.intp]
+from mitl.paths import BoolArray, FloatArray, IndexArray
 
 _NODES = 33
 _SHORTEST_PIECE = 1e-7
@@ -64,7 +62,15 @@ class Path:
         self.arm = arm
         self.legs = tuple(legs)
         self.corners = tuple(corners)
-        self._begins = np.concatenate([[0.0], np.cumsum([leg.length for leg in self.legs])])
+        self._lengths = np.array([leg.length for leg in self.legs])
+        self._begins = np.concatenate([[0.0], np.cumsum(self._lengths)])
+        self._curves = Curves(self.legs)
+        self._radius = np.array([corner.radius for corner in self.corners])
+        self._turn_radius = np.array([corner.turn_radius for corner in self.corners])
+        self._by_joints_all = np.array([isinstance(leg, JointLeg) or leg.held_wrist is not None for leg in self.legs])
+        self._in_joint_space = np.array([self._joint_corner(index) for index in range(len(self.corners))], dtype=bool)
+        turning = np.array([leg.turning > 0 for leg in self.legs])
+        self._turns = (self._turn_radius > 0) & ~self._in_joint_space & (turning[:-1] | turning[1:])
         self._into = np.ones(len(self.corners))
         """m of coordinate of the leg before a corner per m of its TCP's way, over the zone; `_out_of`: of the leg behind it."""
         self._out_of = np.ones(len(self.corners))
@@ -78,7 +84,7 @@ class Path:
             self.length = 0.0
             self._g_of_s = self._s_of_g = PPoly(np.array([[1.0], [0.0]]), np.array([0.0, 1.0]))
             return
-        nodes = [self._nodes_of_corner(index) for index in zones]
+        nodes = self._nodes_of_corners(np.array(zones, dtype=np.intp))
         for index, corner in zip(zones, nodes, strict=True):
             self._unevenness[index] = np.log(corner.after.max() / corner.after.min())
         chained = chain_nodes(nodes, float(self._begins[-1]))
@@ -167,20 +173,7 @@ class Path:
 
     def sample(self, s: FloatArray) -> Sample:
         """Gives the path at ascending coordinates s (N,) in m. Joints are NaN where a pose is out of reach."""
-        leg_of, x = self._locate(s)
-        n = len(s)
-        position, quaternion, joints = np.empty((n, 3)), np.empty((n, 4)), np.empty((n, 6))
-        by_joints = np.zeros(n, dtype=bool)
-        for index in np.unique(leg_of):
-            here = np.flatnonzero(leg_of == index)
-            mask = self._by_joints(index, x[here])
-            by_joints[here] = mask
-            if mask.any():
-                joints[here[mask]] = self._joints_directly(index, x[here[mask]])
-            if not mask.all():
-                free = here[~mask]
-                position[free], rotation = self._cartesian(index, x[free])
-                quaternion[free] = rotation.as_quat()
+        leg_of, x, by_joints, position, quaternion, joints = self._evaluated(s)
         for run in _runs(by_joints, [leg.X_FT for leg in self.legs], leg_of):
             X_FT = self.legs[leg_of[run[0]]].X_FT
             if by_joints[run[0]]:
@@ -192,20 +185,29 @@ class Path:
         return Sample(position, Rotation.from_quat(quaternion), joints, leg_of)
 
     def positions(self, s: FloatArray) -> tuple[FloatArray, Rotation]:
-        """Gives TCP positions (N, 3) and rotations in the base frame at ascending coordinates; quicker than `sample`."""
-        leg_of, x = self._locate(s)
-        position, quaternion = np.empty((len(s), 3)), np.empty((len(s), 4))
-        for index in np.unique(leg_of):
-            here = np.flatnonzero(leg_of == index)
-            mask = self._by_joints(index, x[here])
-            if mask.any():
-                X_BT = self.arm.flange(self._joints_directly(index, x[here[mask]])) * self.legs[index].X_FT
-                position[here[mask]], quaternion[here[mask]] = X_BT.translation, X_BT.rotation.as_quat()
-            if not mask.all():
-                free = here[~mask]
-                position[free], rotation = self._cartesian(index, x[free])
-                quaternion[free] = rotation.as_quat()
+        """Gives TCP positions (N, 3) and rotations in the base frame at coordinates (N,); quicker than `sample`."""
+        leg_of, _, by_joints, position, quaternion, joints = self._evaluated(s)
+        for index in np.unique(leg_of[by_joints]):
+            here = np.flatnonzero(by_joints & (leg_of == index))
+            X_BT = self.arm.flange(joints[here]) * self.legs[index].X_FT
+            position[here], quaternion[here] = X_BT.translation, X_BT.rotation.as_quat()
         return position, Rotation.from_quat(quaternion)
+
+    def _evaluated(self, s: FloatArray) -> tuple[IndexArray, FloatArray, BoolArray, FloatArray, FloatArray, FloatArray]:
+        """Gives, at coordinates (N,), legs, their coordinates, whether joints are interpolated there, and what is: poses or joints."""
+        leg_of, x = self._locate(s)
+        position, quaternion, joints = np.empty((len(s), 3)), np.tile([0.0, 0.0, 0.0, 1.0], (len(s), 1)), np.empty((len(s), 6))
+        corner, u = self._corner_at(leg_of, x, self._radius)
+        by_joints = self._by_joints_all[leg_of]
+        if self._in_joint_space.any():
+            by_joints = by_joints | ((corner >= 0) & self._in_joint_space[corner])
+        for index in np.unique(leg_of[by_joints]):
+            here = np.flatnonzero(by_joints & (leg_of == index))
+            joints[here] = self._joints_directly(index, x[here])
+        free = np.flatnonzero(~by_joints)
+        if len(free):
+            position[free], quaternion[free] = self._cartesian(leg_of[free], x[free], corner[free], u[free])
+        return leg_of, x, by_joints, position, quaternion, joints
 
     def _locate(self, s: FloatArray) -> tuple[IndexArray, FloatArray]:
         g = np.clip(self._g_of_s(np.clip(s, 0.0, self.length)), 0.0, self._begins[-1])
@@ -228,46 +230,39 @@ class Path:
             return np.asarray(x / (radius * self._out_of[corner]))
         return np.asarray((x - self.legs[index].length) / (radius * self._into[corner]))
 
-    def _by_joints(self, index: int, x: FloatArray) -> BoolArray:
-        leg = self.legs[index]
-        mask = np.full(len(x), isinstance(leg, JointLeg) or leg.held_wrist is not None)
-        for corner in self._corners_beside(index):
-            if self._joint_corner(corner):
-                mask |= np.abs(self._u(corner, index, x, self.corners[corner].radius)) < 1
-        return mask
+    def _corner_at(self, leg: IndexArray, x: FloatArray, radius: FloatArray) -> tuple[IndexArray, FloatArray]:
+        """Gives the corners (N,) in whose zones of `radius` (M,) m coordinates x (N,) of legs lie, or -1, and the distances in radii."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            behind = x / np.append(radius * self._out_of, 0.0)[leg - 1]  # leg 0 has no corner before it
+            before = (x - self._lengths[leg]) / np.append(radius * self._into, 0.0)[leg]
+        entering = (leg > 0) & (np.abs(behind) < 1)
+        leaving = np.abs(before) < 1
+        return np.where(entering, leg - 1, np.where(leaving, leg, -1)), np.where(entering, behind, before)
 
-    def _cartesian(self, index: int, x: FloatArray) -> tuple[FloatArray, Rotation]:
-        leg = self.legs[index]
-        assert isinstance(leg, CartesianLeg)  # noqa: S101 - narrows the type; _by_joints has sorted the others out
-        position, rotation = leg.position(x), leg.rotation(x)
-        for corner in self._corners_beside(index):
-            if self._joint_corner(corner):
-                continue
-            a, b = self.legs[corner], self.legs[corner + 1]
-            assert isinstance(a, CartesianLeg)  # noqa: S101 - see above
-            assert isinstance(b, CartesianLeg)  # noqa: S101 - see above
-            radius, turn_radius = self.corners[corner].radius, self.corners[corner].turn_radius
-            u = self._u(corner, index, x, radius)
-            inside = np.abs(u) < 1
-            if inside.any():
-                v = off_corner(u[inside])
-                pa = a.position(a.length + v * radius * self._into[corner])
-                pb = b.position(v * radius * self._out_of[corner])
-                position[inside] = blended(pa, pb, v, position_blend(v))
-            if turn_radius <= 0 or (a.turning == 0 and b.turning == 0):
-                continue
-            u = self._u(corner, index, x, turn_radius)
-            inside = np.abs(u) < 1
-            if inside.any():
-                v = off_corner(u[inside])
-                R_corner = b.rotation(np.zeros(1))
-                turned_a = (R_corner.inv() * a.rotation(a.length + v * turn_radius * self._into[corner])).as_rotvec()
-                turned_b = (R_corner.inv() * b.rotation(v * turn_radius * self._out_of[corner])).as_rotvec()
-                vector = blended(turned_a, turned_b, v, orientation_blend(v))
-                quaternion = rotation.as_quat()
+    def _cartesian(self, leg: IndexArray, x: FloatArray, corner: IndexArray, u: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Gives positions (N, 3) and quaternions (N, 4), `xyzw`, on Cartesian legs (N,); in zones of corners (N,) at u (N,)."""
+        curves = self._curves
+        position, quaternion = curves.position(leg, x), curves.quaternion(leg, x)
+        inside = np.flatnonzero(corner >= 0)
+        if len(inside):
+            at, v = corner[inside], off_corner(u[inside])
+            reach = v * self._radius[at]
+            pa = curves.position(at, self._lengths[at] + reach * self._into[at])
+            pb = curves.position(at + 1, reach * self._out_of[at])
+            position[inside] = blended(pa, pb, v, position_blend(v))
+        if self._turns.any():
+            corner, u = self._corner_at(leg, x, self._turn_radius)
+            inside = np.flatnonzero((corner >= 0) & self._turns[corner])
+            if len(inside):
+                at, v = corner[inside], off_corner(u[inside])
+                reach = v * self._turn_radius[at]
+                R_corner = Rotation.from_quat(curves.quaternion(at + 1, np.zeros(len(at))))
+                before = Rotation.from_quat(curves.quaternion(at, self._lengths[at] + reach * self._into[at]))
+                behind = Rotation.from_quat(curves.quaternion(at + 1, reach * self._out_of[at]))
+                back = R_corner.inv()
+                vector = blended((back * before).as_rotvec(), (back * behind).as_rotvec(), v, orientation_blend(v))
                 quaternion[inside] = (R_corner * Rotation.from_rotvec(vector)).as_quat()
-                rotation = Rotation.from_quat(quaternion)
-        return position, rotation
+        return position, quaternion
 
     def _joints_directly(self, index: int, x: FloatArray) -> FloatArray:
         """Gives joints (N, 6) on a joint leg, on a leg with joint-interpolated wrist, or in a joint-space corner."""
@@ -338,42 +333,36 @@ class Path:
         joints[np.flatnonzero(own)[order]] = q[3:]
         return np.asarray(joints)
 
-    def _nodes_of_corner(self, index: int) -> CornerNodes:
-        """Gives nodes over a zone. ds/du is smooth over the corner, also where the legs' coordinates run differently fast."""
-        radius = self.corners[index].radius
-        ka, kb = self._into[index], self._out_of[index]
-        u = np.linspace(-1, 1, 2 * _NODES - 1)  # every second one only serves Simpson's rule
+    def _nodes_of_corners(self, corners: IndexArray) -> list[CornerNodes]:
+        """Gives nodes over zones (M,). ds/du is smooth over a corner, also where the legs' coordinates run differently fast."""
+        if len(corners) == 0:
+            return []
+        radius, ka, kb = self._radius[corners], self._into[corners], self._out_of[corners]
+        u = np.linspace(-1, 1, 2 * _NODES - 1)[:, None]  # every second one only serves Simpson's rule
         per_u = radius * np.exp(0.5 * ((1 - u) * np.log(ka) + (1 + u) * np.log(kb)))
-        if not self._joint_corner(index):
-            per_u *= regular(self._tcp_way(index, u))
-        way = (per_u[:-2:2] + 4 * per_u[1:-1:2] + per_u[2::2]) * (u[2] - u[0]) / 6
-        bend = CubicSpline(u, per_u)(u[::2], 1)
+        free = ~self._in_joint_space[corners]
+        per_u[:, free] *= regular(self._tcp_way(corners[free], u))
+        way = (per_u[:-2:2] + 4 * per_u[1:-1:2] + per_u[2::2]) * (2 / (_NODES - 1)) / 6
+        bend = CubicSpline(u[:, 0], per_u)(u[::2, 0], 1)
         u, per_u = u[::2], per_u[::2]
-        before_corner = np.arange(_NODES - 1) < _NODES // 2
+        before_corner = (np.arange(_NODES - 1) < _NODES // 2)[:, None]
         k = radius * np.where(before_corner, ka, kb)  # of the intervals: dg/du jumps at the corner, where ds/du does not
-        return CornerNodes(
-            g=self._begins[index + 1] + u * radius * np.where(u < 0, ka, kb),
-            way=way,
-            after=per_u[:-1] / k,
-            before=per_u[1:] / k,
-            bend_after=bend[:-1] / k**2,
-            bend_before=bend[1:] / k**2,
-        )
+        g = self._begins[corners + 1] + u * radius * np.where(u < 0, ka, kb)
+        found = g, way, per_u[:-1] / k, per_u[1:] / k, bend[:-1] / k**2, bend[1:] / k**2
+        return [CornerNodes(*columns) for columns in zip(*(values.T for values in found), strict=True)]
 
-    def _tcp_way(self, index: int, u: FloatArray) -> FloatArray:
-        """Gives the TCP's way in radii per u at u (N,) in the zone between two Cartesian legs."""
-        a, b = self.legs[index], self.legs[index + 1]
-        assert isinstance(a, CartesianLeg)  # noqa: S101 - _joint_corner said so
-        assert isinstance(b, CartesianLeg)  # noqa: S101 - _joint_corner said so
-        radius = self.corners[index].radius
-        v, h = np.where(u == 0, 1e-4, u), 1e-5  # the slope of 0 / 0 needs a wider berth than its value
-        pa, pb = a.curve.position(a.travel + v * radius), b.curve.position(v * radius)
-        da = (a.curve.position(a.travel + (v + h) * radius) - a.curve.position(a.travel + (v - h) * radius)) / (2 * h)
-        db = (b.curve.position((v + h) * radius) - b.curve.position((v - h) * radius)) / (2 * h)
+    def _tcp_way(self, corners: IndexArray, u: FloatArray) -> FloatArray:
+        """Gives the TCP's way (K, M) in radii per u at u (K, 1) in the zones (M,) between Cartesian legs."""
+        shape = (len(u), len(corners))
+        at, v = np.tile(corners, len(u)), np.repeat(np.where(u == 0, 1e-4, u)[:, 0], len(corners))  # the slope of 0 / 0 needs a wide berth
+        radius, curves = self._radius[at], self._curves
+        travel = np.array([leg.travel for leg in self.legs])[at]
+        pa, pb = curves.position_after(at, travel + v * radius), curves.position_after(at + 1, v * radius)
+        da, db = curves.tangent_after(at, travel + v * radius), curves.tangent_after(at + 1, v * radius)
         ratio = position_blend(v) / (2 * v)
         ratio_slope = (position_blend_slope(v) - position_blend(v) / v) / (2 * v)
-        velocity = 0.5 * (da + db) + ratio[:, None] * (db - da) + ratio_slope[:, None] * (pb - pa)
-        return np.asarray(np.linalg.norm(velocity, axis=1) / radius)
+        velocity = 0.5 * (da + db) + ratio[:, None] * (db - da) + (ratio_slope / radius)[:, None] * (pb - pa)
+        return np.asarray(np.linalg.norm(velocity, axis=1).reshape(shape))
 
 
 def _wrist(leg: CartesianLeg, x: FloatArray) -> FloatArray:

@@ -18,12 +18,12 @@ from mitl.motion.chain import Planner
 from mitl.motion.legs import CartesianLeg, JointLeg
 from mitl.motion.limits import LegSpeed
 from mitl.motion.moves import PlannedMove
-from mitl.motion.path import Corner, IndexArray
+from mitl.motion.path import Corner
 from mitl.motion.program_run import ProgramRun
 from mitl.motion.record import TICK, View
 from mitl.motion.robot_model import RobotModel
 from mitl.motion.settings import MoveSettings
-from mitl.paths import BoolArray, FloatArray
+from mitl.paths import BoolArray, FloatArray, IndexArray
 from rapid_interp import effects
 
 

@@ -175,6 +175,16 @@ class MotionRecord:
         ticks = self._planned(TICK * np.arange(len(self._followed), dtype=np.float64)) if view is View.PLANNED else self._views[view]
         return np.asarray(np.gradient(ticks, TICK, axis=0)) if len(ticks) > 1 else np.zeros_like(ticks)
 
+    def strain(self, since: float) -> float:
+        """Gives the greatest share of an axis' acceleration limit that the tool's motion takes where a plan from `since` s on shapes it.
+
+        0 for arms whose drives are known by more than such limits.
+        """
+        ticks = self._views[View.TOOL][max(self._first_tick(since - self.half_filter) - 1, 0) :]
+        if not self.model.effort.even or len(ticks) < 3:
+            return 0.0
+        return float((np.abs(np.diff(ticks, 2, axis=0)) / self.model.acceleration).max()) / TICK**2
+
     def move_at(self, time: FloatArray) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
         """Gives the index (N,) of the executed move at times (N,) s; it keeps its value while standing, and is 0 before the first."""
         begins = np.array([executed.begins for executed in self.moves])

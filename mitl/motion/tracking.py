@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+
 from mitl.motion.kinematics import STRAIGHT_THROUGH, Arm
 from mitl.motion.legs import CartesianLeg
 from mitl.motion.orientation import HeldWrist

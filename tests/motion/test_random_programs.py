@@ -187,3 +187,38 @@ def test_a_motion_is_taken_over_before_the_orientation_zone(moved, monkeypatch):
     )
     assert len(motion.record.chains) == 3
     assert motion.holds(View.PLANNED)
+
+
+def test_a_tiny_arc_on_which_the_tool_turns_far_asks_no_more_of_the_drives_than_they_can(moved):
+    """The path bends so suddenly that the arm, which lags, would come 9 % too hard round it (found by a random program)."""
+    turned = "[0.034619878,-0.170162139,0.965037446,-0.196339088],[0,0,0,0],noAxes]"
+    motion = moved(
+        "MoveJ [[430,0,400],[-0.276693927,-0.360594546,0.860199180,-0.231234546],[0,0,0,0],noAxes],v2500,z20,tA;",
+        f"MoveC [[429.868304,-0.436646,400.284696],{turned},[[430.109830,-0.891007,400.440505],{turned},v2500,z50,tA;",
+    )
+    assert motion.holds(View.TOOL)
+
+
+@pytest.mark.parametrize("after", [0.0, 20.0, 60.0])
+def test_an_output_is_set_on_time_where_a_new_plan_takes_over_just_behind_its_place(moved, rapid, monkeypatch, after):
+    """The program knows of a new plan half a filter before that takes over; what lies between keeps its time."""
+    monkeypatch.setattr(task_run, "LOOK_AHEAD", 2)
+    lines = [
+        rapid.joint(430, -150, 400),
+        rapid.line(430, -100, 400, zone="z1", speed="v500"),
+        *(line for k in range(12) for line in (
+            f"TriggIO t{k % 3},{4 * k % 20 + 1}\\Start\\DOp:=do{k},1;",
+            f"TriggL {rapid.target(430, -100 + 20 * (k + 1), 400 + after * (k % 2) / 10)},v500,t{k % 3},z1,tA;",
+        )),
+        rapid.line(430, 160, 400, speed="v500"),
+    ]  # fmt: skip
+    motion = moved(rapid.program(*lines).replace("PROC main()", DECLARED + "PROC main()"))
+    assert len(motion.record.chains) > 4
+    for k in range(12):
+        (time,) = [time for time, value in motion.run.signals[f"do{k}"] if value]
+        move = motion.record.moves[k + 2].move
+        (way,), (off,) = along(move.leg, motion.record.planned_tcp(np.array([time]))[0])
+        distance = 1e-3 * (4 * k % 20 + 1)
+        if 1e-3 < distance < move.leg.travel - 1e-3:
+            assert way == pytest.approx(distance, abs=1e-6)
+            assert off < ON_CURVE
