@@ -226,6 +226,7 @@ class Rig:
     begin_case: called with the case's id before each case, so that a simulated rig reseeds itself: same seed, same case, same numbers.
     devices: further tracked devices in the tracker's frame, by name, e.g. "belt", or "reference", which stands still.
     calibration: file of a stored calibration, or None where every run calibrates. calibration_program: RAPID with its poses, or None.
+    frame: gives a number of the tracker's frame; another one means that it may have moved, so the next case calibrates first.
     feedback: what the controller streams of itself, or None. close: called at the end of the run; leaves the rig as it was found.
     """
 
@@ -241,5 +242,6 @@ class Rig:
     devices: Mapping[str, Tracker] = field(default_factory=dict)
     calibration: Path | None = None
     calibration_program: Path | None = None
+    frame: Callable[[], int] = lambda: 0
     feedback: Feedback | None = None
     close: Callable[[], None] = lambda: None

@@ -27,3 +27,6 @@ def add_options(parser: pytest.Parser) -> None:
     )
     group.addoption("--mitl-long", action="store_true", help="also run cases that take hours")
     group.addoption("--mitl-out", default=None, metavar="DIR", help="keep results.json, junit.xml, report.html and recordings here")
+    group.addoption(
+        "--mitl-resume", action="store_true", help="go on with the run in --mitl-out: run what was not judged there, keep the rest"
+    )

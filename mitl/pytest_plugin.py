@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from mitl.engine.calibration_session import SessionCalibration
     from mitl.engine.case import CaseInfo
     from mitl.engine.check import Check
+    from mitl.engine.record import RunRecord
     from mitl.engine.recorder import CaseRecorder
     from mitl.engine.run import RunKeeper
     from mitl.protocols import Rig
@@ -28,6 +29,7 @@ _MARK = "mitl_case"
 _RECORDER: pytest.StashKey[CaseRecorder] = pytest.StashKey()
 _KEEPER: pytest.StashKey[RunKeeper] = pytest.StashKey()
 _CURRENT: pytest.StashKey[CaseRecorder] = pytest.StashKey()
+_CALIBRATION: pytest.StashKey[tuple[int, SessionCalibration]] = pytest.StashKey()
 _RIG: pytest.StashKey[Rig | Exception] = pytest.StashKey()
 
 
@@ -37,6 +39,10 @@ class HookSpecifications:
     @pytest.hookspec(firstresult=True)
     def pytest_mitl_load_rig(self, config: pytest.Config, name: str, seed: int, faults: tuple[str, ...]) -> Rig | None:
         """Gives the rig called `name`, or None if it is not known here: for a rig of one's own that no rig.toml describes."""
+
+    @pytest.hookspec
+    def pytest_mitl_run_finished(self, run: RunRecord, unwritten: str) -> None:
+        """Tells the run's record when all has ended; unwritten: why the folder does not hold it as it is, or ""."""
 
 
 def pytest_addhooks(pluginmanager: pytest.PytestPluginManager) -> None:
@@ -78,8 +84,10 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
         try:
             chosen = select(list(infos.values()), wanted, long=config.getoption("mitl_long"))
+            done = _keeper(config).known() if config.getoption("mitl_resume") else frozenset()
         except UsageError as error:
             raise pytest.UsageError(str(error)) from error
+        chosen -= done
         left_out = [item for item in items if (infos[item].id not in chosen if item in infos else bool(wanted))]
         items[:] = [item for item in items if item not in left_out]
         config.hook.pytest_deselected(items=left_out)
@@ -109,6 +117,8 @@ def pytest_runtestloop(session: pytest.Session) -> None:
             keeper.save()
     except UsageError as error:
         raise pytest.UsageError(str(error)) from error
+    if keeper.unwritten:
+        raise pytest.UsageError(keeper.unwritten)
 
 
 # --- fixtures ----------------------------------------------------------------------------------------------------------------------
@@ -127,13 +137,18 @@ def mitl_rig(pytestconfig: pytest.Config) -> Iterator[Rig]:
         loaded.close()
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture
 def mitl_calibration(mitl_rig: Rig, pytestconfig: pytest.Config) -> SessionCalibration:
-    """The calibration of this session; the first case that needs it drives the procedure."""
+    """The calibration of this session; the first case that needs it drives the procedure, and the next after the frame has moved again."""
+    frame = mitl_rig.frame()
+    known = pytestconfig.stash.get(_CALIBRATION, None)
+    if known is not None and known[0] == frame:
+        return known[1]
     from mitl.engine.calibration_session import calibrate_rig, calibration_program  # noqa: PLC0415
 
     found = calibrate_rig(mitl_rig, calibration_program(mitl_rig, pytestconfig.getoption("mitl_calibration")))
     _keeper(pytestconfig).keep_calibration(found)
+    pytestconfig.stash[_CALIBRATION] = (frame, found)
     return found
 
 
@@ -157,16 +172,25 @@ def bench(request: pytest.FixtureRequest, rig: Rig, mitl_calibration: SessionCal
     from mitl.engine.bench import Bench  # noqa: PLC0415
     from mitl.engine.calibration_session import calibration_program  # noqa: PLC0415
     from mitl.engine.frame_watch import frame_watch, refuse_if_moved, tell_age, void_if_moved  # noqa: PLC0415
+    from mitl.errors import MitlError  # noqa: PLC0415
 
     session = mitl_calibration
     recorder = _recorder(request.node)
     tell_age(session.calibration, recorder)
     watch = frame_watch(rig, session, calibration_program(rig, request.config.getoption("mitl_calibration")))
-    before = refuse_if_moved(watch)
+    stash = request.config.stash
+    try:
+        before = refuse_if_moved(watch)
+    except MitlError:
+        if _CALIBRATION in stash:
+            del stash[_CALIBRATION]
+        raise
     recorder.closing.append(lambda: void_if_moved(watch, before, recorder))
     made = Bench(rig, session.calibration, session.poses, recorder, calibrated_at=session.measured_at)
     yield made
     made.close()
+    if recorder.voided and _CALIBRATION in stash:
+        del stash[_CALIBRATION]  # what moved the frame may have moved it for good: the next case calibrates
 
 
 @pytest.fixture
@@ -295,6 +319,8 @@ class _Collecting:
             keeper.keep_recording(broken_off)
             keeper.add(keeper.finish(broken_off, ""))
         run = keeper.save()
+        if run.cases:
+            self._config.hook.pytest_mitl_run_finished(run=run, unwritten=keeper.unwritten)
         if keeper.folder is not None and keeper.opened and run.cases:
             from mitl.report import write_report  # noqa: PLC0415 - loads matplotlib
 
@@ -343,6 +369,7 @@ def _keeper(config: pytest.Config) -> RunKeeper:
         folder = Path(out).resolve() if out else None
         seed, faults = config.getoption("mitl_seed"), tuple(config.getoption("mitl_fault"))
         config.stash[_KEEPER] = RunKeeper(seed, faults, folder, rig_name=str(config.getoption("mitl_rig")), opened=_is_worker(config))
+        config.stash[_KEEPER].resume = config.getoption("mitl_resume")
     return config.stash[_KEEPER]
 
 

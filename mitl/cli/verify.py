@@ -62,6 +62,7 @@ if TYPE_CHECKING:
     help="Run an inconclusive case at most N times: a sequential test, 5 % wrong verdicts at the limit over all rounds.",
 )
 @click.option("--long", "long", is_flag=True, help="Also run the cases that take hours of the rig's time (seconds in simulation).")
+@click.option("--resume", is_flag=True, help="Go on with the run in --out: what was judged there stays, the rest is run.")
 @click.option("--arm", is_flag=True, help="Let a physical rig move. Needs a terminal, unless the rig file allows unattended runs.")
 @click.option("--list", "only_list", is_flag=True, help="List the cases and run none.")
 @click.option(
@@ -81,6 +82,7 @@ def verify_command(
     faults: tuple[str, ...],
     out: Path,
     tests: Path | None,
+    resume: bool,
     arm: bool,
     repeats: int,
     long: bool,
@@ -94,7 +96,7 @@ def verify_command(
     Exit code: 0 all passed, 1 something failed, 2 usage, 3 nothing failed but something is inconclusive, 4 it could not be judged.
     """
     from mitl.cli import verify_output  # noqa: PLC0415 - heavy imports only when the command runs
-    from mitl.engine.results import read_run, text_of  # noqa: PLC0415 - see above
+    from mitl.engine.results import FILE_NAME, read_run, text_of  # noqa: PLC0415 - see above
 
     if form == "markdown" and not only_list:
         raise UsageError("--format markdown lists the cases: give --list too")
@@ -102,6 +104,7 @@ def verify_command(
         f"--mitl-rig={rig}",
         f"--mitl-seed={seed}",
         f"--mitl-repeats={repeats}",
+        *(["--mitl-resume", f"--mitl-out={out}"] if resume else []),
         *(["--mitl-long"] if long or only_list else []),
         *(f"--mitl-fault={fault}" for fault in faults),
         *(f"--mitl-case={case}" for case in cases),
@@ -110,8 +113,10 @@ def verify_command(
         click.echo(verify_output.listed(found_cases(tests, options), form))
         return
     observer = _Observer(progress=sys.stderr.isatty(), arm=arm)
-    _run_pytest(tests, [*options, f"--mitl-out={out}"], observer)
-    run = read_run(out)
+    _run_pytest(tests, [*options, f"--mitl-out={out}"], observer, done=resume and (out / FILE_NAME).is_file())
+    run = observer.run or read_run(out)
+    if observer.unwritten:
+        click.echo(f"mitl: warning: {observer.unwritten}", err=True)
     click.echo(text_of(run), nl=False) if form == "json" else verify_output.print_table(run)
     if (out / "report.html").is_file():
         click.echo(f"report: {out / 'report.html'}", err=True)
@@ -139,6 +144,8 @@ class _Observer:
         self._arm = arm
         self.found: list[CaseInfo] = []
         self.broken: list[str] = []
+        self.run: RunRecord | None = None
+        self.unwritten = ""
         self._progress: Progress | None = _progress_bar() if progress else None
         self._task: TaskID | None = None
 
@@ -153,6 +160,10 @@ class _Observer:
             raise UsageError(f"--arm lets a physical rig move; {name} is none: leave it out")
         may_arm(Path(name))
         return load_physical(Path(name), seed, faults, armed=True)
+
+    def pytest_mitl_run_finished(self, run: RunRecord, unwritten: str) -> None:
+        """Takes the record from memory: the disk may be full."""
+        self.run, self.unwritten = run, unwritten
 
     def pytest_collectreport(self, report: pytest.CollectReport) -> None:
         """Remembers test files that cannot be read."""
@@ -199,8 +210,8 @@ def _progress_bar() -> Progress:
     )
 
 
-def _run_pytest(tests: Path | None, options: list[str], observer: _Observer) -> None:
-    """Runs the cases in the folder `tests`, or else mitl's own, in this process.
+def _run_pytest(tests: Path | None, options: list[str], observer: _Observer, *, done: bool = False) -> None:
+    """Runs the cases in the folder `tests`, or else mitl's own, in this process. done: whether it may be that none is left to run.
 
     Raises UsageError where options are wrong or there is nothing to run, MitlError where cases cannot be read or pytest breaks down.
     """
@@ -223,7 +234,7 @@ def _run_pytest(tests: Path | None, options: list[str], observer: _Observer) -> 
     click.echo(told.getvalue(), err=True, nl=False)
     if observer.broken:
         raise MitlError("cases cannot be read: " + "; ".join(observer.broken))
-    if code is pytest.ExitCode.NO_TESTS_COLLECTED:
+    if code is pytest.ExitCode.NO_TESTS_COLLECTED and not done:
         raise UsageError(f"there are no cases in {folder}")
     if code is pytest.ExitCode.INTERNAL_ERROR:
         raise MitlError(f"pytest broke down; run pytest {folder} --mitl-rig=... to see where")

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from mitl.calibration.store import save_calibration
-from mitl.engine import case_recording, junit, results
+from mitl.engine import case_recording, junit, results, resuming, summary
 from mitl.engine.bench import calibration_tracks
 from mitl.engine.calibration_session import SessionCalibration
 from mitl.engine.case import CaseInfo
@@ -40,7 +40,8 @@ class RigDescription:
 @dataclass
 class RunKeeper:
     """The run so far. folder: where it is kept, or None to keep nothing. rig_name: what was asked for. problem: why there is no report.
-    opened: whether the folder is ready; set from the start where another process makes it ready.
+    opened: whether the folder is ready; set from the start where another process makes it ready. resume: go on with the run in it.
+    unwritten: why the folder is not up to date, or "".
     """
 
     seed: int
@@ -52,7 +53,10 @@ class RunKeeper:
     cases: list[CaseRecord] = field(default_factory=list)
     problem: str | None = None
     opened: bool = False
-    started: datetime = field(default_factory=lambda: datetime.now(UTC))
+    resume: bool = False
+    unwritten: str = ""
+    started: str = field(default_factory=lambda: datetime.now(UTC).isoformat(timespec="seconds"))
+    _before_s: float = 0.0
     _began: float = field(default_factory=time.monotonic)
 
     def open_folder(self) -> None:
@@ -61,11 +65,33 @@ class RunKeeper:
             return
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
-            for name in _files_of_old_run(self.folder):
+            kept = self._take_up()
+            for name in set(_files_of_old_run(self.folder)) - kept:
                 (self.folder / name).unlink(missing_ok=True)
         except OSError as error:
             raise UsageError(f"{self.folder}: cannot keep a run here: {error.strerror}") from error
         self.opened = True
+
+    def known(self) -> frozenset[str]:
+        """Gives the ids of the cases that a run that is resumed has judged already. Raises UsageError where it is another run."""
+        run = resuming.earlier_run(self.folder) if self.resume else None
+        if run is None:
+            return frozenset()
+        resuming.refuse_another(run, rig="", seed=self.seed, faults=self.faults, versions=installed_versions())
+        return frozenset(case.id for case in resuming.judged(run))
+
+    def _take_up(self) -> set[str]:
+        """Takes over what a run that is resumed has judged; gives the files that stay."""
+        run = resuming.earlier_run(self.folder) if self.resume else None
+        if run is None:
+            return set()
+        rig = self.rig.name if self.rig else ""
+        resuming.refuse_another(run, rig=rig, seed=self.seed, faults=self.faults, versions=installed_versions())
+        kept = resuming.judged(run)
+        self.cases = [*kept, *self.cases]
+        self.started, self._before_s = run.started, run.wall_s
+        # a run's last look stays until this one has made its own: a resumed run may end before its first case
+        return {results.FILE_NAME, junit.FILE_NAME, *(name for case in kept for name in (case.recording, case.log) if name is not None)}
 
     def add(self, case: CaseRecord) -> None:
         """Takes a finished case; one of the same id replaces the former (a test run again)."""
@@ -104,8 +130,11 @@ class RunKeeper:
         if self.folder is None:
             return
         self.open_folder()
-        save_calibration(self.folder / "calibration.toml", found.calibration, reference=found.reference)
-        case_recording.write(self.folder / "calibration.mcap", Recording(calibration_tracks(found.poses), metadata=self.provenance()))
+        try:
+            save_calibration(self.folder / "calibration.toml", found.calibration, reference=found.reference)
+            case_recording.write(self.folder / "calibration.mcap", Recording(calibration_tracks(found.poses), metadata=self.provenance()))
+        except (OSError, UsageError) as error:
+            self.unwritten = f"the calibration could not be kept: {error}"
 
     def finish(self, recorder: CaseRecorder, captured: str) -> CaseRecord:
         """Gives the finished case; tracebacks and captured output go into a log file beside the recording."""
@@ -114,7 +143,11 @@ class RunKeeper:
             return recorder.finish()
         self.open_folder()
         name = file_name(recorder.info.id, ".log")
-        write_text(self.folder / name, text)
+        try:
+            write_text(self.folder / name, text)
+        except (OSError, UsageError) as error:
+            recorder.say("warning", f"the log {name} could not be written: {error}")
+            return recorder.finish()
         return recorder.finish(name)
 
     def provenance(self) -> dict[str, str]:
@@ -135,17 +168,24 @@ class RunKeeper:
             cases=(*self.cases, *missing),
             versions={**installed_versions(), **rig.versions},
             faults=self.faults,
-            started=self.started.isoformat(timespec="seconds"),
-            wall_s=round(time.monotonic() - self._began, 3),
+            started=self.started,
+            wall_s=round(self._before_s + time.monotonic() - self._began, 3),
             interrupted=bool(missing),
         )
 
     def save(self) -> RunRecord:
-        """Writes results.json and junit.xml and gives the record."""
+        """Writes results.json, junit.xml and summary.txt and gives the record. A full disk costs no case: the next time may succeed."""
         run = self.record()
-        if self.folder is not None and run.cases and self.opened:
-            write_text(self.folder / results.FILE_NAME, results.text_of(run))
-            write_text(self.folder / junit.FILE_NAME, junit.text_of(run))
+        if self.folder is None or not run.cases or not self.opened:
+            return run
+        unwritten = ""
+        texts = {results.FILE_NAME: results.text_of(run), junit.FILE_NAME: junit.text_of(run), summary.FILE_NAME: summary.text_of(run)}
+        for name, text in texts.items():
+            try:
+                write_text(self.folder / name, text)
+            except (OSError, UsageError) as error:
+                unwritten = f"the run's folder is not up to date: {error}"
+        self.unwritten = unwritten
         return run
 
 
@@ -167,7 +207,7 @@ def installed_versions() -> dict[str, str]:
 
 
 def _files_of_old_run(folder: Path) -> Sequence[str]:
-    own = [results.FILE_NAME, junit.FILE_NAME, REPORT, REPLAY, "calibration.toml", "calibration.mcap", "history.json"]
+    own = [results.FILE_NAME, junit.FILE_NAME, summary.FILE_NAME, REPORT, REPLAY, "calibration.toml", "calibration.mcap", "history.json"]
     try:
         old = results.read_run(folder)
     except UsageError:

@@ -67,6 +67,8 @@ class GuardedController:
         period = config.safety.heartbeat_s / LOOKS
         self._heart = HeartBeat(lambda beat: controller.write(BEAT, beat), period, lambda: self._watchdog.alive)
         self._ramp: list[float] = []
+        self._held = False
+        """Whether it was us who stopped the program that is loaded, on its way."""
         self._speed = config.safety.speed
         self._orders = -1
         corners = np.array(config.safety.workspace_mm) / 1000.0
@@ -78,7 +80,7 @@ class GuardedController:
         """Replaces the program by the given module files with the heartbeat in them; the pointer is at main."""
         self._require_armed()
         self._heart.rest()
-        self._sources, self._shadow = list(sources), None
+        self._sources, self._shadow, self._held = list(sources), None, False
         with tempfile.TemporaryDirectory(prefix="mitl-program-") as folder:
             self._controller.load(with_heartbeat(sources, Path(folder), self._safety.heartbeat_s, egm_device=self._egm_device))
 
@@ -87,9 +89,10 @@ class GuardedController:
         self._require_armed()
         if not self._sources:
             raise RigError("start refused: no program is loaded")
-        if self._shadow is not None:
-            raise RigError("start refused: the program was stopped or has ended; load it again")
         self._require_ready()
+        if self._shadow is not None:
+            self._resume()
+            return
         compare_frames(self._sources, self._controller.read)
         shadow = Shadow(self._sources, self._model, self._controller.joints(), self._workspace)
         way = shadow.begin()
@@ -105,8 +108,10 @@ class GuardedController:
     def stop(self) -> None:
         """Stops the robot. Safe to call at any time, also twice and unarmed."""
         try:
+            self._held = self._held or self._controller.state() is ExecutionState.RUNNING
             self._controller.stop()
         except RigError:
+            self._held = False
             self._second.stop()  # the first session may be what is broken
         self._watchdog.rest()
         self._heart.rest()
@@ -176,6 +181,12 @@ class GuardedController:
         self._speed = self._ramp[0] if self._ramp else full
         self._orders = -1
 
+    def look(self) -> None:
+        """Asks the controller on both sessions whether it is there. Raises RigError; a robot that was left running is stopped."""
+        if self._controller.state() is ExecutionState.RUNNING and self._shadow is None:
+            self.stop()
+        self._second.state()
+
     def close(self) -> None:
         """Stops the robot, puts back what was found on the controller, and lets the guardian go."""
         try:
@@ -210,6 +221,16 @@ class GuardedController:
             self._guardian = self._make_guardian()
         if not self._guardian.alive or not self._watchdog.alive:
             raise RigError("the guardian process or the watchdog has ended: nothing may move")
+
+    def _resume(self) -> None:
+        """Starts a program that we ourselves stopped: its way is the one that was pre-flown. Raises RigError for any other."""
+        if not self._held or self._watchdog.reason:
+            raise RigError("start refused: the program stopped itself or has ended; load it again")
+        self._watchdog.watch()
+        self._seen = self._clock.now()
+        self._heart.go()
+        self._held = False
+        self._controller.start()
 
     def _climb(self) -> None:
         """Sets the speed of the next order of a first pass; each speed is held for three orders."""

@@ -28,6 +28,7 @@ from mitl.rig.remote import transport_to
 from mitl.trackers.openvr_runtime import OpenVrRuntime, PoseSource, Universe
 from mitl.trackers.openvr_tracker import OpenVrTracker
 
+_LOOK_AGAIN = 1.0
 _PACKAGES = ("drake", "numpy", "scipy", "ruckig", "openvr", "httpx")
 
 
@@ -47,6 +48,16 @@ def load_physical(file: Path, seed: int, faults: Sequence[str], *, armed: bool =
     robotware, _ = first.system()
     feedback = open_feedback(config)
 
+    def frame() -> int:
+        """Gives the tracker's frame once the rig is there: each case asks before it begins."""
+        await_rig(controller, tracker, clock, config.patience_s)
+        return tracker.frame
+
+    def begin_case(case_id: str) -> None:
+        """Waits for the rig and sets the speed of what follows."""
+        await_rig(controller, tracker, clock, config.patience_s)
+        controller.begin(first=case_id == CALIBRATION)
+
     def close() -> None:
         """Puts everything back, also where one of the steps fails."""
         try:
@@ -64,12 +75,33 @@ def load_physical(file: Path, seed: int, faults: Sequence[str], *, armed: bool =
         tracker=tracker,
         clock=clock,
         oracles=PlannedOracles(model),
-        begin_case=lambda case_id: controller.begin(first=case_id == CALIBRATION),
+        begin_case=begin_case,
+        frame=frame,
         versions={"mitl": __version__, "python": platform.python_version(), "RobotWare": robotware, **_installed()},
         calibration=config.folder / config.calibration if config.calibration else None,
         feedback=feedback,
         close=close,
     )
+
+
+def await_rig(controller: GuardedController, tracker: OpenVrTracker, clock: MonotonicClock, patience: float) -> None:
+    """Waits until the controller answers and the tracker sees. Raises RigError with what is missing after `patience` s.
+
+    A SteamVR that was started again is taken on with its new frame, for which `Rig.frame` then gives another number.
+    """
+    until = clock.now() + patience
+    while True:
+        try:
+            controller.look()
+            if tracker.restarted:
+                tracker.accept_frame()
+            tracker.latest()
+        except RigError as error:
+            if clock.now() >= until:
+                raise RigError(f"the rig is not there, also after {patience:g} s: {error}") from error
+            clock.wait(_LOOK_AGAIN)
+        else:
+            return
 
 
 def open_feedback(config: PhysicalConfig) -> EgmReceiver | None:

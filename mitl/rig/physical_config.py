@@ -81,7 +81,8 @@ class EgmConfig:
 class PhysicalConfig:
     """What a rig file says. folder: what paths are relative to. calibration: a stored one, or "" to calibrate every run.
 
-    egm: None where the controller streams nothing.
+    egm: None where the controller streams nothing. patience_s: how long a case waits, before it begins, for a controller or a tracker
+    that is not there.
     """
 
     name: str
@@ -91,6 +92,7 @@ class PhysicalConfig:
     safety: SafetyConfig = field(default_factory=SafetyConfig)
     egm: EgmConfig | None = None
     calibration: str = ""
+    patience_s: float = 300.0
     folder: Path = Path()
 
 
@@ -112,7 +114,7 @@ def read_physical(file: Path) -> PhysicalConfig:
         _known(file, section, ("rig", "controller", "tracker", "safety", "egm"), "unknown section or key")
     rig = dict(_section(file, table, "rig"))
     for key in rig:
-        _known(file, key, ("kind", "robot", "calibration"), "[rig] unknown key")
+        _known(file, key, ("kind", "robot", "calibration", "patience_s"), "[rig] unknown key")
     if "controller" not in table:
         raise UsageError(f"{file}: expected a section [controller] with the address of the controller")
     found = PhysicalConfig(
@@ -123,10 +125,17 @@ def read_physical(file: Path) -> PhysicalConfig:
         safety=_record(file, "safety", _section(file, table, "safety"), SafetyConfig),
         egm=_record(file, "egm", _section(file, table, "egm"), EgmConfig) if "egm" in table else None,
         calibration=_text(file, "rig", "calibration", rig.get("calibration", "")),
+        patience_s=_seconds(file, rig.get("patience_s", 300.0)),
         folder=file.parent,
     )
     _check(file, found)
     return found
+
+
+def _seconds(file: Path, value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 <= value <= 86400.0:
+        raise UsageError(f"{file}: [rig] patience_s = {value!r}: expected 0 to 86400 seconds")
+    return float(value)
 
 
 def _check(file: Path, found: PhysicalConfig) -> None:

@@ -59,7 +59,7 @@ class OpenVrTracker:
         self._recorded: bytearray | None = None
         self._averaging: bytearray | None = None
         self._last = b""
-        self._session = 0
+        self._session = self._accepted = 0
         self._quit_seen = self._tried = 0.0
         self._sampler = Sampler(self._take, rate, now)
         self._sampler.start()
@@ -120,8 +120,18 @@ class OpenVrTracker:
 
     @property
     def restarted(self) -> bool:
-        """Whether SteamVR was restarted since this tracker was made; its samples count as invalid since then."""
-        return self._session > 0
+        """Whether SteamVR was restarted since this tracker was made or its new frame accepted; its samples count as invalid since then."""
+        return self._session != self._accepted
+
+    @property
+    def frame(self) -> int:
+        """A number that changes with every restart of SteamVR: what was calibrated before may be off by centimetres."""
+        return self._session
+
+    def accept_frame(self) -> None:
+        """Counts the samples of SteamVR as it runs now as valid again; whoever calls it calibrates again. Nothing where it does not run."""
+        if self._runtime is not None:
+            self._accepted = self._session
 
     def statistics(self) -> SamplingStatistics:
         """Gives how the sampling goes."""
@@ -143,7 +153,7 @@ class OpenVrTracker:
     def _take(self, now: float) -> None:
         """Takes one sample, in the sampling thread."""
         pose, buttons = self._read(now)
-        record = np.float64(now).tobytes() + pose + np.uint64(buttons).tobytes() + np.int32(self._session).tobytes()
+        record = np.float64(now).tobytes() + pose + np.uint64(buttons).tobytes() + np.int32(self._session - self._accepted).tobytes()
         with self._lock:
             self._last = record
             if self._recording and self._recorded is not None:

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from mitl.paths import FloatArray
-from mitl.samples import TrackerSamples
+from mitl.samples import CodeArray, TrackerSamples
 
 MAGIC = b"MITLVR1\0"
 LATENCY = 0.1
@@ -70,7 +70,7 @@ class PoseFeed:
         self._written = [0] * len(devices)
         beside.replace(file)  # a reader sees the whole header or no file
 
-    def write(self, device: int, times: FloatArray, samples: TrackerSamples, buttons: FloatArray | None = None) -> None:
+    def write(self, device: int, times: FloatArray, samples: TrackerSamples, buttons: CodeArray | None = None) -> None:
         """Hands over samples of a device; times (N,): s, monotonic clock. buttons (N,): bits in place of the samples' own."""
         path = samples.path
         slots = np.zeros(len(path), dtype=_SLOT)

@@ -27,6 +27,7 @@ def pytest_configure(config):
 """
 PROGRAM = "MODULE Line\n  VAR num option := 0;\n  VAR num subOption := 0;\n  PERS num poseCount := 12;\nENDMODULE\n"
 CASES = """
+import os
 import pytest
 import time
 from mitl.engine import case
@@ -43,7 +44,9 @@ def test_vague(check):
 
 @case("other/crash", title="Crash", purpose="Crashes.", program="line.mod")
 def test_crash(check):
-    raise RuntimeError("no idea")
+    if not os.path.exists("healed"):
+        raise RuntimeError("no idea")
+    check("x", value=1, limit=2, uncertainty=.1)
 
 @case("other/slow", title="Slow", purpose="Waits to be ended.", program="line.mod")
 def test_slow(bench, check):
@@ -193,3 +196,47 @@ print(sorted(name for name in sys.modules if name.split(".")[0] in {"pydrake", "
 """
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True)
     assert found.stderr.endswith("[]\n")
+
+
+def test_a_run_that_was_ended_is_resumed_where_it_was(tests, tmp_path, capsys):
+    """What was judged stays as it was; what was not is run; the summary says how far it came."""
+    out = tmp_path / "run"
+    arguments = ["verify", "--rig", "line", "--tests", str(tests), "--out", str(out)]
+    assert run([*arguments, "line", "other/crash"]) == 4
+    first = json.loads((out / "results.json").read_text())
+    before = {case["id"]: case for case in first["cases"]}
+    kept = (out / before["line/good"]["recording"]).stat().st_mtime_ns
+    Path("healed").touch()
+    assert run([*arguments, "--resume", "line", "other/crash"]) == 3
+    second = json.loads((out / "results.json").read_text())
+    after = {case["id"]: case for case in second["cases"]}
+    assert {name: case["outcome"] for name, case in after.items()} == {
+        "line/good": "pass",
+        "line/vague": "inconclusive",
+        "other/crash": "pass",
+    }
+    assert after["line/good"] == before["line/good"]
+    assert (out / before["line/good"]["recording"]).stat().st_mtime_ns == kept
+    assert second["started"] == first["started"]
+    assert second["wall_s"] > first["wall_s"]
+    assert "INCONCLUSIVE: 2 pass, 1 inconclusive" in (out / "summary.txt").read_text()
+    assert run([*arguments, "--resume", "line/good", "other/crash"]) == 3, "nothing is left to run, and the record is whole"
+    capsys.readouterr()
+    assert run([*arguments, "--resume", "--seed", "2", "line"]) == 2
+    assert "seed 1, now 2" in capsys.readouterr().err
+    assert json.loads((out / "results.json").read_text())["seed"] == 1, "a refused run leaves the former alone"
+
+
+def test_a_full_disk_costs_no_verdict(tests, tmp_path):
+    """The limit of a file's size is the nearest that a test comes to a full disk."""
+    out = tmp_path / "run"
+    limit = "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (2500, 2500)); "
+    script = limit + "from mitl.cli import run; sys.exit(run(sys.argv[1:]))"
+    arguments = ["verify", "--rig", "line", "--tests", str(tests), "--out", str(out), "--format", "json", "line", "other/crash"]
+    done = subprocess.run([sys.executable, "-c", script, *arguments], capture_output=True, text=True, check=False)
+    assert done.returncode == 4
+    assert "not up to date" in done.stderr
+    assert "Traceback" not in done.stderr
+    shown = json.loads(done.stdout)
+    assert [case["id"] for case in shown["cases"]] == ["line/good", "line/vague", "other/crash"], "every case was run and told"
+    assert not list(out.glob(".*")), "no half file is left"

@@ -250,6 +250,20 @@ def test_without_a_heartbeat_the_program_stops_itself_on_the_controller(make):
     assert any("stopped itself at MitlGuard" in event.text for event in bench.controller.event_log())
 
 
+def test_what_was_stopped_on_its_way_goes_on_along_it_and_what_stopped_itself_does_not(make):
+    bench = make(corridor_mm=30.0).running()
+    bench.controller.write("option", "3")
+    bench.until(lambda: bench.joints()[0] > 2.0)
+    bench.controller.stop()
+    bench.stands_short_of(90.0)
+    bench.controller.start()
+    bench.until(lambda: bench.joints()[0] > 20.0)
+    assert bench.controller.state() is ExecutionState.RUNNING
+    bench.cell.stop()
+    with pytest.raises(RigError, match="load it again"):
+        bench.controller.start()
+
+
 def test_the_first_pass_begins_slowly_and_climbs_and_the_way_to_a_new_program_is_slow(make):
     bench = make(first_speed=20.0, speed=60.0)
     bench.controller.begin(first=True)

@@ -39,8 +39,8 @@ class EgmSender:
         self._sent_until = self._tick()
         self.sent = 0
 
-    def send(self) -> None:
-        """Sends what is due."""
+    def send(self, shift: float = 0.0) -> None:
+        """Sends what is due; shift: s to add to the cell's time, which stood still for so long while the controller's clock went on."""
         until = self._tick()
         ticks = np.arange(self._sent_until + 1, until + 1)
         self._sent_until = until
@@ -55,7 +55,7 @@ class EgmSender:
         for time, joints, plan in zip(times.tolist(), reported, planned, strict=True):
             self.sent += 1
             pose = pose_of(self._arm.flange(joints))
-            datagram = encode(Feedback(self.sent & 0xFFFFFFFF, time, joints, plan, pose, on, running))
+            datagram = encode(Feedback(self.sent & 0xFFFFFFFF, time + shift, joints, plan, pose, on, running))
             try:
                 self._socket.sendto(datagram, self._target)
             except OSError:

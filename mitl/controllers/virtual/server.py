@@ -24,6 +24,8 @@ _LARGEST_BODY = 16 * 1024 * 1024
 _PING = 30.0
 _PERIOD = 0.01
 _FAST_STEP, _FAST_REST = 0.02, 0.001
+_MOST_BEHIND, _SLICE = 0.25, 0.05
+"""Seconds by which a cell may be behind the wall's clock before it stops catching up, and that it catches up at once."""
 _MOST_UNSENT = 10_000
 _log = logging.getLogger(__name__)
 
@@ -51,7 +53,7 @@ class VirtualServer:
         self._runner: web.AppRunner | None = None
         self._pump: asyncio.Task[None] | None = None
         self._unsent: dict[Group, asyncio.Queue[str]] = {}
-        self._origin = 0.0
+        self._origin = self._slipped = 0.0
 
     async def start(self) -> str:
         """Opens the port and gives the server's address. Raises UsageError where it cannot be opened."""
@@ -102,7 +104,15 @@ class VirtualServer:
             await asyncio.sleep(rest)
 
     def _catch_up(self) -> None:
-        self._step(max(time.monotonic() - self._origin - self.service.cell.clock.now(), 0.0))
+        """Lets time pass as on the wall. What took long to compute takes long: a robot that leapt to where it should be by now would
+        outrun whoever watches it, and its own heartbeat.
+        """
+        behind = time.monotonic() - self._origin - self.service.cell.clock.now()
+        if behind > _MOST_BEHIND:
+            self._slipped += behind - _MOST_BEHIND
+            self._origin += behind - _MOST_BEHIND
+            behind = _MOST_BEHIND
+        self._step(min(max(behind, 0.0), _SLICE))
 
     def _step(self, seconds: float) -> None:
         cell = self.service.cell
@@ -112,7 +122,7 @@ class VirtualServer:
             cell.log.add("error", 20000, "The program was stopped", str(error))
             cell.stop()
         if self._egm is not None:
-            self._egm.send()
+            self._egm.send(self._slipped)
         for group, text in self.service.subscriptions.events():
             queue = self._unsent.get(group)
             if queue is not None and not queue.full():
