@@ -147,6 +147,12 @@ def wider_limits(angle_deg: float) -> Callable[[RobotModel], RobotModel]:
     return lambda model: replace(model, lower=model.lower - wider, upper=model.upper + wider)
 
 
+def less_acceleration(per_cent: float) -> Callable[[RobotModel], RobotModel]:
+    """Gives a change of the robot model: the TCP believed to stand so much less acceleration."""
+    share = max(1 - per_cent / 100, 0.01)
+    return lambda model: replace(model, tcp_acceleration=share * model.tcp_acceleration)
+
+
 KINDS = {
     kind.name: kind
     for kind in (
@@ -202,6 +208,11 @@ KINDS = {
         FaultKind("hiccup", "the motion halts within moves", "interpolator", "ms", 40.0, make_playback=servo.hiccup),
         FaultKind("late-start", "every motion comes late", "interpolator", "ms", 150.0, make_playback=servo.late),
         FaultKind("overshoot", "the arm runs past stops by so much of its speed", "servo", "ms", 25.0, make_playback=servo.overshoot),
+        FaultKind("scatter", "axis 1 stops a little elsewhere every time", "servo", "deg", 0.4, make_playback=servo.scatter),
+        FaultKind("backlash", "axis 1 has play", "servo", "deg", 0.8, make_playback=servo.backlash),
+        FaultKind(
+            "sluggish", "the TCP's acceleration is smaller than it may be", "planner", "per cent", 80.0, make_model=less_acceleration
+        ),
         FaultKind("joint-drift", "axis 1 drifts with time", "servo", "deg/min", 0.2, make_offset=servo.axis_1_drifts),
     )
 }

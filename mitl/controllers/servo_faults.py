@@ -5,7 +5,9 @@ Invariant: the controller does not know of them: what it reports is what it plan
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Callable
+from functools import lru_cache
 
 import numpy as np
 
@@ -23,6 +25,10 @@ _CATCH_UP = 4.0
 _LATE = 0.06
 """Age in s of the speed that a wrong feed-forward adds."""
 _STEP = 0.004
+_TAKEN_UP = 0.1
+"""Seconds in which play is taken up after a turn."""
+_MOVED = 1e-3
+"""Radians below which an axis has not moved."""
 
 
 def straight(record: MotionRecord, time: float) -> FloatArray:
@@ -94,6 +100,64 @@ def overshoot(milliseconds: float) -> Callable[[Playback], Playback]:
         return played
 
     return wrapped
+
+
+def scatter(angle_deg: float) -> Callable[[Playback], Playback]:
+    """Gives a playback in which axis 1 ends every move a little off, by another angle each time, with this standard deviation."""
+    size = np.radians(angle_deg)
+
+    def wrapped(inner: Playback) -> Playback:
+        def played(record: MotionRecord, time: float) -> FloatArray:
+            joints = inner(record, time).copy()
+            last = _move_before(record, time)
+            if last >= 0:
+                move = record.moves[last]
+                share = _smooth((time - move.begins) / max(move.ends - move.begins, _STEP))
+                joints[0] += size * (_draw(last - 1) + share * (_draw(last) - _draw(last - 1)))
+            return joints
+
+        return played
+
+    return wrapped
+
+
+def backlash(angle_deg: float) -> Callable[[Playback], Playback]:
+    """Gives a playback in which axis 1 has so much play: it stays behind by half of it in the direction of its last motion."""
+    half = np.radians(angle_deg) / 2
+
+    def wrapped(inner: Playback) -> Playback:
+        def played(record: MotionRecord, time: float) -> FloatArray:
+            joints = inner(record, time).copy()
+            last = _move_before(record, time)
+            if last >= 0:
+                share = _smooth((time - record.moves[last].begins) / _TAKEN_UP)
+                before = _side(record, last - 1)
+                joints[0] -= half * (before + share * (_side(record, last) - before))
+            return joints
+
+        return played
+
+    return wrapped
+
+
+def _move_before(record: MotionRecord, time: float) -> int:
+    """Gives the number of the move that began last, -1 before the first."""
+    return bisect_right(record.moves, time, key=lambda move: move.begins) - 1
+
+
+@lru_cache(maxsize=1024)
+def _draw(number: int) -> float:
+    """Gives a normal number that belongs to a move: the same in every run."""
+    return float(np.random.default_rng([0x9283, number + 1]).normal())
+
+
+def _side(record: MotionRecord, number: int) -> float:
+    """Gives to which side axis 1 was last moved at the end of a move, 0 before it first moves."""
+    for move in reversed(record.moves[: number + 1]):
+        way = record.joints_at(move.ends)[0] - record.joints_at(move.begins)[0]
+        if abs(way) > _MOVED:
+            return float(np.sign(way))
+    return 0.0
 
 
 def _smooth(share: float) -> float:

@@ -192,3 +192,30 @@ def test_an_analog_output_is_too_large_and_a_digital_one_is_not():
     )
     follows = effects.TriggerMove(AT, LINE, actions(effects.FollowSpeed("ao", 0.02, 0.0)))
     assert broken("analog-scale=50", follows).triggers == actions(effects.FollowSpeed("ao", 0.03, 0.0))
+
+
+@dataclass(frozen=True)
+class ToAndFro:
+    """A record in which axis 1 goes to 1 rad and back, a second each, twice; a stand-in for a MotionRecord as a playback sees it."""
+
+    moves: tuple = tuple(SimpleNamespace(begins=float(second), ends=second + 1.0) for second in range(4))
+
+    def joints_at(self, time):
+        there = time % 2
+        return np.array([min(there, 2 - there) if 0 < time < 4 else 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+
+
+def test_play_leaves_an_axis_behind_on_either_side_and_scatter_somewhere_else_each_time():
+    record = ToAndFro()
+    loose, scattered = playback([parse_fault("backlash=2")]), playback([parse_fault("scatter=1")])
+    late = [np.degrees(loose(record, time)[0] - record.joints_at(time)[0]) for time in (0.9, 1.9, 2.9)]
+    assert late == pytest.approx([-1.0, 1.0, -1.0])
+    off = [np.degrees(scattered(record, time)[0] - record.joints_at(time)[0]) for time in (1.0 - 1e-9, 2.0 - 1e-9, 3.0 - 1e-9)]
+    assert len({round(value, 6) for value in off}) == 3
+    assert max(np.abs(off)) < 4.0
+    assert playback([parse_fault("scatter=0"), parse_fault("backlash=0")])(record, 0.7) == pytest.approx(record.joints_at(0.7))
+
+
+def test_a_sluggish_arm_has_less_acceleration():
+    model = load_robot_model("irb140")
+    assert robot_model(model, [parse_fault("sluggish=50")]).tcp_acceleration == pytest.approx(model.tcp_acceleration / 2)
