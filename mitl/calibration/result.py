@@ -90,6 +90,11 @@ class Calibration:
         X_OT = transform_of(X_BO).inv() * self._flange(whole) * transform_of(X_FT)
         return path_of_transforms(whole, X_OT)
 
+    def points(self, path: PosePath) -> FloatArray:
+        """Gives the places (N, 3) in m in the robot's base of whatever device the tracker's path belongs to: A undone, then X_LB^-1."""
+        position = np.linalg.solve(distortion_matrix(self.scale, self.skew), path.position.T).T
+        return np.asarray(transform_of(self.X_LB).inv().apply(position))
+
     def tracker_poses(self, flange: FloatArray) -> FloatArray:
         """Gives the poses X_LM (N, 7) that the tracker would report, noise aside, for flange poses X_BF (N, 7)."""
         X_LM = transform_of(self.X_LB) * transform_of(flange) * transform_of(self.X_FM)

@@ -15,6 +15,7 @@ from mitl.controllers import effect_faults as bugs
 from mitl.controllers import servo_faults as servo
 from mitl.controllers import setting_faults as settings
 from mitl.errors import UsageError
+from mitl.motion.following import Encoder
 from mitl.motion.orientation import OrientationLaw, evenly
 from mitl.motion.robot_model import RobotModel
 from mitl.motion.task_run import EffectFilter
@@ -29,7 +30,8 @@ class FaultKind:
 
     One of these says what it does, given its size: a filter of effects, a law of turning, another robot model, a way to play the plan
     back, or by how much the arm's axes are off. stop_delay: seconds by which one unit of it delays a stop.
-    resume_offset: rad by which one unit of it puts axis 1 off after a restart.
+    resume_offset: rad by which one unit of it puts axis 1 off after a restart. encoder_gain: share by which one unit of it makes encoders
+    count too much. encoder_delay: s by which one unit of it delays them.
     """
 
     name: str
@@ -44,6 +46,8 @@ class FaultKind:
     make_offset: Callable[[float], servo.Offset] | None = None
     stop_delay: float = 0.0
     resume_offset: float = 0.0
+    encoder_gain: float = 0.0
+    encoder_delay: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -131,6 +135,12 @@ def resume_offset(faults: Sequence[Fault]) -> float:
     return sum(fault.kind.resume_offset * fault.size for fault in faults)
 
 
+def encoder(faults: Sequence[Fault]) -> Encoder:
+    """Gives how the controller reads the encoders of conveyors."""
+    gain = 1.0 + sum(fault.kind.encoder_gain * fault.size for fault in faults)
+    return Encoder(gain, sum(max(fault.kind.encoder_delay * fault.size, 0.0) for fault in faults))
+
+
 def _late_orientation(share: float) -> OrientationLaw:
     late = min(max(share, 0.0), 0.99)
 
@@ -213,6 +223,8 @@ KINDS = {
         FaultKind(
             "sluggish", "the TCP's acceleration is smaller than it may be", "planner", "per cent", 80.0, make_model=less_acceleration
         ),
+        FaultKind("conveyor-gain", "encoders of conveyors count too much", "interpolator", "per cent", 5.0, encoder_gain=1e-2),
+        FaultKind("conveyor-delay", "conveyors are followed late", "interpolator", "ms", 80.0, encoder_delay=1e-3),
         FaultKind("joint-drift", "axis 1 drifts with time", "servo", "deg/min", 0.2, make_offset=servo.axis_1_drifts),
     )
 }

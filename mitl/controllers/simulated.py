@@ -11,9 +11,21 @@ from pathlib import Path
 
 import numpy as np
 
-from mitl.controllers.faults import Fault, effect_filter, joint_offset, orientation_law, playback, resume_offset, robot_model, stop_delay
+from mitl.controllers.faults import (
+    Fault,
+    effect_filter,
+    encoder,
+    joint_offset,
+    orientation_law,
+    playback,
+    resume_offset,
+    robot_model,
+    stop_delay,
+)
 from mitl.errors import MotionError, RigError
 from mitl.motion.chain import Planner
+from mitl.motion.conveyor import Belt
+from mitl.motion.following import ConveyorUnits
 from mitl.motion.program_run import ProgramRun, joints_home
 from mitl.motion.record import MotionRecord, View
 from mitl.motion.robot_effects import StopKind
@@ -34,10 +46,12 @@ _OFF_WITHIN = 0.2
 class SimulatedController:
     """A controller for one arm. Implements Controller for test cases, Process and JointSource for the simulated world.
 
-    Call `connect` with the world's clock before anything else. faults: what is wrong with it, on purpose.
+    Call `connect` with the world's clock before anything else. faults: what is wrong with it, on purpose. belts: the conveyors whose encoders
+    and drives are wired to it, in the world's time.
     """
 
-    def __init__(self, model: RobotModel, faults: Sequence[Fault] = ()) -> None:
+    def __init__(self, model: RobotModel, faults: Sequence[Fault] = (), belts: Sequence[Belt] = ()) -> None:
+        self._belts = tuple(belts)
         self._model = model = robot_model(model, faults)
         self._faults = tuple(faults)
         self._playback = playback(faults)
@@ -79,6 +93,8 @@ class SimulatedController:
     def reset(self) -> None:
         """Puts everything back to how it was switched on: arm at home, no program, no event; its motion begins now."""
         self._origin = self._now()
+        for belt in self._belts:
+            belt.restart(self._origin)
         self._record = MotionRecord(self._model, joints_home())
         self._program = self._task = self._run = None
         self._failed, self._motors, self._speed_ratio = False, True, 1.0
@@ -133,7 +149,7 @@ class SimulatedController:
             raise RigError(f"load refused, the program has errors:\n{error}") from error
         except OSError as error:
             raise RigError(f"load refused: {error.filename}: {error.strerror or error}") from error
-        rest = self._record.joints_at(math.inf)
+        rest = self._record.joints_at(max(self._now() - self._origin, self._record.end))
         self._resumed_at = math.inf
         self._origin = self._now()
         self._record = MotionRecord(self._model, rest)
@@ -158,7 +174,13 @@ class SimulatedController:
             self._watched(self._now(), lambda run: run.resume(now))
             return
         self._run = ProgramRun(
-            self._task.run(), self._planner, self._record, now=now, live_inputs=self._inputs, effect_filter=effect_filter(self._faults)
+            self._task.run(),
+            self._planner,
+            self._record,
+            now=now,
+            live_inputs=self._inputs,
+            effect_filter=effect_filter(self._faults),
+            units=ConveyorUnits(self._belts, origin=self._origin, horizon=self._record.half_filter, encoder=encoder(self._faults)),
         )
         self._run.speed_ratio = self._speed_ratio
         self._failed = False

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -35,7 +35,8 @@ class TrackedRun:
     raw: X_LM on the tracker's clock, invalid samples included. tool: the valid samples as X_OT, times unchanged. oracle: on its own clock,
     0 where the program starts. began, ended: s on the rig's clock, when the order was given and when it was seen to be done. samples: what
     the tracker told besides `raw`, buttons above all.
-    given: when it was given on the tracker's clock, as near as the rig knows.
+    given: when it was given on the tracker's clock, as near as the rig knows. beside: X_LM of the further devices that were asked for, by name,
+    on the same clock, invalid samples included.
     """
 
     option: int
@@ -48,6 +49,7 @@ class TrackedRun:
     ended: float
     samples: TrackerSamples
     given: float
+    beside: Mapping[str, PosePath] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,11 +139,12 @@ class Bench:
         variables: Mapping[str, str] | None = None,
         timeout: float = 120.0,
         name: str | None = None,
+        beside: Sequence[str] = (),
     ) -> TrackedRun:
         """Gives the tracked execution of one order to the case's program, and records it under `name`.
 
-        variables: RAPID variables set to literals before the order. timeout in s of the rig's time. Raises RigError where the controller
-        stops by itself, the order is not done in time, or the tracker is lost.
+        variables: RAPID variables set to literals before the order. timeout in s of the rig's time. beside: names of the rig's further devices
+        to be tracked as well. Raises RigError where the controller stops by itself, the order is not done in time, or the tracker is lost.
         """
         chosen = dict(variables or {})
         oracle = self.oracle(option, sub_option, variables=chosen)
@@ -149,7 +152,9 @@ class Bench:
         if self._recorder.round > 1:
             label += f" round {self._recorder.round}"
         self.start()
-        self.tracker.start()
+        devices = {device: self.rig.devices[device] for device in beside}
+        for tracker in (self.tracker, *devices.values()):
+            tracker.start()
         self._tracking = label
         started = self.clock.now()
         self.clock.wait(STILL)
@@ -158,6 +163,9 @@ class Bench:
         self.clock.wait(STILL)
         self._tracking = None
         raw = self.tracker.stop()
+        others = {device: tracker.stop() for device, tracker in devices.items()}
+        for device, path in others.items():
+            self.record_path(f"{label} {device}", path, frame="tracker", body=device)
         tool = self.in_work_object(raw, oracle) if raw.valid.any() else None
         shift = float(raw.time[0]) + began - started if len(raw) else 0.0
         since = began - (self._recorder.began or 0.0)
@@ -166,7 +174,7 @@ class Bench:
         if tool is None or not len(tool):
             raise RigError(f"the tracker gave no valid pose during {label} ({len(raw)} samples): is it in view and awake?")
         samples = self.tracker.samples() if isinstance(self.tracker, DetailedTracker) else TrackerSamples.plain(raw)
-        return TrackedRun(option, sub_option, chosen, raw, tool, oracle, began, ended, samples, shift)
+        return TrackedRun(option, sub_option, chosen, raw, tool, oracle, began, ended, samples, shift, others)
 
     def oracle(self, option: int, sub_option: int = 0, *, variables: Mapping[str, str] | None = None) -> Oracle:
         """Gives what a nominal controller does with an order to the case's program; tool and work object of later points are its own."""

@@ -13,6 +13,7 @@ from scipy.spatial.transform import RigidTransform, Rotation
 
 from mitl.motion import bridge
 from mitl.motion.dynamics import AS_FAST_AS_IT_CAN, Dynamics
+from mitl.motion.following import Following
 from mitl.motion.kinematics import Arm
 from mitl.motion.legs import Arc, CartesianLeg, GeometryError, JointLeg, Leg, Line, arc_through, line_through
 from mitl.motion.limits import LegSpeed
@@ -34,7 +35,11 @@ _SHORTEST_MOVE = 5e-7
 
 @dataclass(frozen=True, eq=False)
 class PlannedMove:
-    """One motion effect with its leg, its programmed speed and its zone radii in m; fine has none. dynamics: how hard it may accelerate."""
+    """One motion effect with its leg, its programmed speed and its zone radii in m; fine has none. dynamics: how hard it may accelerate.
+
+    following: how the arm is carried with a belt meanwhile. Then the leg lies where the belt was when its work piece was connected, and
+    X_BO where the piece passed the sensor.
+    """
 
     effect: effects.Motion
     leg: Leg
@@ -43,6 +48,7 @@ class PlannedMove:
     X_BO: RigidTransform
     dynamics: Dynamics = AS_FAST_AS_IT_CAN
     settings: MoveSettings = DEFAULT
+    following: Following | None = None
 
     @property
     def fastest(self) -> float:

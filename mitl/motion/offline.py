@@ -16,6 +16,8 @@ from scipy.spatial.transform import RigidTransform, Rotation
 from mitl.motion import bridge
 from mitl.motion.answers import Desk
 from mitl.motion.chain import Planner
+from mitl.motion.conveyor import Belt, Conveyor
+from mitl.motion.following import ConveyorUnits, Following
 from mitl.motion.kinematics import Arm
 from mitl.motion.program_run import ProgramRun, joints_home
 from mitl.motion.record import TICK, ExecutedMove, MotionRecord, View
@@ -52,13 +54,15 @@ def start_run(
     inputs: Sequence[InputChange] = (),
     planner: Planner | None = None,
     answers: Sequence[str] = (),
+    conveyors: Sequence[Conveyor] = (),
 ) -> ProgramRun:
     """Gives a program run from the robot's rest position at time 0, not yet begun.
 
-    planner: another than the model's ordinary one. answers: what the operator will answer, in order.
+    planner: another than the model's ordinary one. answers: what the operator will answer, in order. conveyors: belts, at home.
     """
-    desk = Desk(answers=list(answers))
-    return ProgramRun(generator, planner or Planner(model), MotionRecord(model, joints_home()), inputs=inputs, desk=desk)
+    desk, record = Desk(answers=list(answers)), MotionRecord(model, joints_home())
+    units = ConveyorUnits([Belt(conveyor) for conveyor in conveyors], horizon=record.half_filter)
+    return ProgramRun(generator, planner or Planner(model), record, inputs=inputs, desk=desk, units=units)
 
 
 def run_until(
@@ -106,13 +110,34 @@ def sample(run: ProgramRun, times: FloatArray, view: View, frame: Frame) -> Samp
         speed = _speeds(run, times, view)
     X_BT = RigidTransform.from_components(position, rotation)
     if frame is Frame.WORK_OBJECT and record.moves:
-        X_BT = RigidTransform.concatenate([executed.move.X_BO for executed in record.moves])[move].inv() * X_BT
+        beside = RigidTransform.from_translation(-_object_ways(record.moves, move, times)) * X_BT
+        X_BT = RigidTransform.concatenate([executed.move.X_BO for executed in record.moves])[move].inv() * beside
     return Samples(_path(times, X_BT), speed, joints, move)
 
 
-def fixed_tool_path(run: ProgramRun, times: FloatArray, X_FT: RigidTransform, X_BO: RigidTransform) -> PosePath:
-    """Gives X_OT of one tool in one work object over ascending times (N,) in s, whichever are active; the tool view."""
-    return _path(times, X_BO.inv() * run.planner.arm.flange(run.record.joints(times, View.TOOL)) * X_FT)
+def fixed_tool_path(
+    run: ProgramRun, times: FloatArray, X_FT: RigidTransform, X_BO: RigidTransform, following: Following | None = None
+) -> PosePath:
+    """Gives X_OT of one tool in one work object over ascending times (N,) in s, whichever are active; the tool view.
+
+    following: by which a conveyor carries the work object; X_BO is its place at the sensor then.
+    """
+    X_BT = run.planner.arm.flange(run.record.joints(times, View.TOOL)) * X_FT
+    if following is not None:
+        connection = following.connection
+        X_BT = RigidTransform.from_translation(-connection.passed(times)[:, None] * connection.belt.conveyor.direction) * X_BT
+    return _path(times, X_BO.inv() * X_BT)
+
+
+def _object_ways(moves: Sequence[ExecutedMove], move: IndexArray, times: FloatArray) -> FloatArray:
+    """Gives how far (N, 3) in m the work objects of the moves under way (N,) have been carried past their sensors, in the base."""
+    ways = np.zeros((len(times), 3))
+    for number in np.unique(move):
+        following = moves[number].move.following
+        if following is not None and following.end > 0:
+            connection, here = following.connection, move == number
+            ways[here] = connection.passed(times[here])[:, None] * connection.belt.conveyor.direction
+    return ways
 
 
 def programmed_moves(run: ProgramRun, moves: Sequence[ExecutedMove], origin: float) -> tuple[ProgrammedMove, ...]:
@@ -124,6 +149,9 @@ def _programmed(arm: Arm, executed: ExecutedMove, origin: float) -> ProgrammedMo
     move = executed.move
     effect, leg = move.effect, move.leg
     X_OB = move.X_BO.inv()
+    if move.following is not None and move.following.end > 0:  # the leg lies where the work object was connected
+        connection = move.following.connection
+        X_OB = X_OB * RigidTransform.from_translation(-connection.begin * connection.belt.conveyor.direction)
     return ProgrammedMove(
         kind=type(effect).__name__,
         start=pose_of(X_OB * arm.flange(leg.q_start) * leg.X_FT),

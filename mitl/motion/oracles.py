@@ -15,6 +15,7 @@ from scipy.spatial.transform import RigidTransform
 import rapid_interp
 from mitl.errors import MitlError
 from mitl.motion.accuracy import load_accuracy
+from mitl.motion.conveyor import Conveyor
 from mitl.motion.offline import fixed_tool_path, programmed_moves, run_until, start_run
 from mitl.motion.program_run import ProgramRun
 from mitl.motion.robot_model import RobotModel
@@ -31,10 +32,11 @@ _LONGEST = 600.0
 
 
 class PlannedOracles:
-    """Oracles for one robot model. The same request is answered from memory."""
+    """Oracles for one robot model among conveyors, which are at home when an order is given. The same request is answered from memory."""
 
-    def __init__(self, model: RobotModel) -> None:
+    def __init__(self, model: RobotModel, conveyors: Sequence[Conveyor] = ()) -> None:
         self._model = model
+        self._conveyors = tuple(conveyors)
         self._accuracy = load_accuracy(model.folder)
         self._known: dict[tuple[tuple[Path, ...], tuple[tuple[str, str], ...]], Oracle] = {}
 
@@ -50,7 +52,7 @@ class PlannedOracles:
 
     def _compute(self, sources: Sequence[Path], variables: Mapping[str, str]) -> Oracle:
         task = rapid_interp.load(sources).start()
-        run = start_run(task.run(), self._model)
+        run = start_run(task.run(), self._model, conveyors=self._conveyors)
         looping = any(name.lower() == _ORDER for name in variables)
         begins = _bring_to_rest(run) if looping else 0.0
         for name, literal in variables.items():
@@ -68,14 +70,18 @@ def _bring_to_rest(run: ProgramRun) -> float:
 
 
 def _cut(run: ProgramRun, begins: float, accuracy: OracleAccuracy) -> Oracle:
-    """Gives the oracle of what a run did from `begins` s on; tool and work object are those of its first move with a work object."""
+    """Gives the oracle of what a run did from `begins` s on.
+
+    Tool and work object are those of its first move with a work object, or of the first one whose work object a conveyor carries.
+    """
     moves = [executed for executed in run.record.moves if executed.begins >= begins]
     linear = [executed.move for executed in moves if not isinstance(executed.move.effect, effects.MoveAbsJ)]
-    chosen = linear[0] if linear else moves[-1].move if moves else None
+    carried = [move for move in linear if move.following is not None and move.following.end > 0]
+    chosen = (carried or linear or [executed.move for executed in moves[-1:]] or [None])[0]
     X_BO, X_FT = (chosen.X_BO, chosen.leg.X_FT) if chosen is not None else (RigidTransform.identity(), RigidTransform.identity())
     times = begins + np.arange(math.floor(max(run.record.end - begins, 0.0) * RATE) + 2) / RATE
     return Oracle(
-        tcp=fixed_tool_path(run, times, X_FT, X_BO).shifted(-begins),
+        tcp=fixed_tool_path(run, times, X_FT, X_BO, chosen.following if chosen is not None else None).shifted(-begins),
         tool=pose_of(X_FT),
         wobj=pose_of(X_BO),
         moves=programmed_moves(run, moves, begins),

@@ -12,6 +12,7 @@ import numpy as np
 
 from mitl.motion.answers import Desk, Position
 from mitl.motion.chain import Planner
+from mitl.motion.following import ConveyorUnits
 from mitl.motion.motion_queue import MotionQueue
 from mitl.motion.path_actions import PathActions
 from mitl.motion.record import TICK, MotionRecord
@@ -40,7 +41,8 @@ class ProgramRun:
     """A program, from joints at rest. A participant in virtual time: see `mitl.simulation.process.Process`.
 
     background: further tasks by name, which move nothing. inputs: changes of input signals known beforehand. live_inputs: gives inputs by
-    name and time in s as they are then. desk: the operator's answers and the date. Raises RapidError and MotionError out of `run`.
+    name and time in s as they are then. desk: the operator's answers and the date. units: its conveyors.
+    Raises RapidError and MotionError out of `run`.
     """
 
     def __init__(
@@ -56,15 +58,18 @@ class ProgramRun:
         desk: Desk | None = None,
         effect_filter: EffectFilter = unchanged,
         name: str = MAIN_TASK,
+        units: ConveyorUnits | None = None,
     ) -> None:
         self.record = record
         self.planner = planner
-        self.table = SignalTable(inputs, live_inputs)
+        units = units or ConveyorUnits(())
+        self.table = SignalTable(inputs, units.inputs(live_inputs))
+        self.table.watch(units.commanded)
         tasks = frozenset(task.lower() for task in (name, *(background or ())))
         self._cell = Cell(self.table, desk or Desk(), Position(planner, record), Meetings(tasks))
         self._motion = MotionQueue(planner, record, now=now, told=self._tell)
         self._actions = PathActions(self.table, tcp_speed=self._tcp_speed, raised=self._raise, stopped=self._stop_motion)
-        self._robot = RobotEffects(self._motion, triggered=self._actions.do, told=self._tell)
+        self._robot = RobotEffects(self._motion, triggered=self._actions.do, told=self._tell, units=units)
         others = dict(background or {})
         alone = not others
         self._main = TaskRun(name, generator, self._cell, now=now, robot=self._robot, effect_filter=effect_filter, alone=alone)
@@ -143,7 +148,7 @@ class ProgramRun:
         """Gives the time in s at which something happens next; inf when nothing is to come."""
         times = [self._motion.next_event(), self._actions_due(), self.table.next_output()]
         if self._held is None and not self.finished:
-            times.append(self.table.next_input())
+            times += [self.table.next_input(), self._robot.followed.next_event()]
             if self.table.live is not None and any(task.interrupts.signals for task in self._tasks):
                 times.append(self._looked + LOOK)
             for task in self._tasks:
@@ -159,6 +164,7 @@ class ProgramRun:
         self._actions.update(now)
         if self._held is not None or self._main.finished:
             return
+        self._robot.followed.watch(now)
         if now >= self._looked + LOOK:
             self._looked = now
             self.table.look(set().union(*(task.interrupts.signals for task in self._tasks)), now)
@@ -169,6 +175,8 @@ class ProgramRun:
             if not any(went_on):
                 break
             self._motion.happen(now)
+        if self._main.finished:
+            self._robot.followed.let_go(self.ended)
 
     def hold(self, now: float, kind: StopKind = StopKind.PROGRAM) -> None:
         """Stops program and motion along the path at `now` s; `resume` lets both go on from there."""
@@ -190,6 +198,7 @@ class ProgramRun:
     def close(self, now: float) -> None:
         """Ends the program where it is and stops the arm along its path."""
         self.hold(now)
+        self._robot.followed.let_go(now)
         for task in self._tasks:
             task.close()
 

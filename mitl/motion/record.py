@@ -15,6 +15,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
+from mitl.motion.carrying import displaced, shifts
 from mitl.motion.chain import Chain
 from mitl.motion.filters import motor_side, moving_average
 from mitl.motion.lag import behind_at
@@ -87,6 +88,7 @@ class MotionRecord:
         self.chains: list[ScheduledChain] = []
         self.moves: list[ExecutedMove] = []
         self._q_start = q_start
+        self._carried = False
         self._followed = q_start[None, :].copy()
         self._views: dict[View, FloatArray] = {View.TOOL: self._followed, View.CONTROLLER: self._followed}
 
@@ -119,6 +121,7 @@ class MotionRecord:
         after the last move that it executes.
         """
         self._drop_from(start)
+        self._carried = self._carried or any(move.following is not None for move in chain.moves)
         moves = chain.moves[under_way:beyond]
         passing = start + chain.passing_times()[under_way:]
         begun = next((index for index in range(len(self.moves) - 1, -1, -1) if moves and self.moves[index].move is moves[0]), None)
@@ -150,6 +153,10 @@ class MotionRecord:
 
     def joints_at(self, time: float, view: View = View.TOOL) -> FloatArray:
         """Gives the joints (6,) rad at `time` s as the arm follows, by cubic interpolation between ticks."""
+        joints = self._joints_at(time, view)
+        return joints if not self._carried else self._along(np.array([time]), joints[None])[0]
+
+    def _joints_at(self, time: float, view: View) -> FloatArray:
         values = self._views[view]
         place = min(max(time / TICK, 0.0), len(values) - 1.0)
         k = min(int(place), len(values) - 2)
@@ -163,6 +170,10 @@ class MotionRecord:
 
     def joints(self, time: FloatArray, view: View) -> FloatArray:
         """Gives joints (N, 6) rad at times (N,) s in a view; they rest before 0 and after the end."""
+        return self._along(time, self._standing(time, view))
+
+    def _standing(self, time: FloatArray, view: View) -> FloatArray:
+        """Gives joints (N, 6) rad at times (N,) s in a view as if all belts stood."""
         if view is View.PLANNED:
             return self._planned(time)
         ticks = self._views[view]
@@ -170,9 +181,28 @@ class MotionRecord:
             return np.repeat(ticks, len(time), axis=0)
         return np.asarray(CubicSpline(TICK * np.arange(len(ticks)), ticks)(np.clip(time, 0.0, TICK * (len(ticks) - 1))))
 
+    def shift_at(self, time: FloatArray) -> FloatArray:
+        """Gives by how much (N, 3) in m conveyor belts carry the arm at times (N,) s, in the base."""
+        return shifts(self.chains, time) if self._carried else np.zeros((len(time), 3))
+
+    def out_of_reach_at(self, time: float) -> bool:
+        """Gives whether a belt has carried the arm to where it cannot be at `time` s."""
+        if not self._carried:
+            return False
+        _, lost = displaced(self.chains[-1].chain.path.arm, self._joints_at(time, View.TOOL)[None], self.shift_at(np.array([time])))
+        return bool(lost[0])
+
+    def _along(self, time: FloatArray, joints: FloatArray) -> FloatArray:
+        """Gives joints (N, 6) rad at times (N,) s, carried along with the belts that are followed."""
+        if not self._carried or not self.chains:
+            return joints
+        return displaced(self.chains[-1].chain.path.arm, joints, self.shift_at(time))[0]
+
     def joint_speeds(self, view: View) -> FloatArray:
         """Gives joint speeds (M, 6) rad/s at all ticks of a view."""
-        ticks = self._planned(TICK * np.arange(len(self._followed), dtype=np.float64)) if view is View.PLANNED else self._views[view]
+        time: FloatArray = TICK * np.arange(len(self._followed), dtype=np.float64)
+        ticks = self._along(time, self._planned(time)) if view is View.PLANNED else self._views[view]
+        ticks = self._along(TICK * np.arange(len(ticks), dtype=np.float64), ticks) if view is not View.PLANNED else ticks
         return np.asarray(np.gradient(ticks, TICK, axis=0)) if len(ticks) > 1 else np.zeros_like(ticks)
 
     def strain(self, since: float) -> float:
@@ -196,7 +226,10 @@ class MotionRecord:
         return np.array([first.setdefault(id(executed.move.leg.X_FT), index) for index, executed in enumerate(self.moves)], dtype=np.intp)
 
     def planned_tcp(self, time: FloatArray) -> tuple[FloatArray, Rotation, FloatArray]:
-        """Gives position (N, 3) m, rotation, speed (N,) m/s of the active TCP in the base frame, exactly as planned, at ascending times."""
+        """Gives position (N, 3) m, rotation, speed (N,) m/s of the active TCP in the base frame, exactly as planned, at ascending times.
+
+        Where a belt is followed, the speed is that beside the belt.
+        """
         position, quaternion, speed = np.empty((len(time), 3)), np.empty((len(time), 4)), np.zeros(len(time))
         starts = np.array([scheduled.start for scheduled in self.chains])
         chain_of = np.clip(np.searchsorted(starts, time, side="right") - 1, 0, None)
@@ -211,6 +244,7 @@ class MotionRecord:
             low, high = np.clip(s - h, 0, path.length), np.clip(s + h, 0, path.length)
             moved = np.linalg.norm(path.positions(high)[0] - path.positions(low)[0], axis=1)
             speed[here] = v * moved / np.maximum(high - low, 1e-12)
+        position += self.shift_at(time)
         return position, Rotation.from_quat(quaternion), speed
 
     @property

@@ -14,6 +14,8 @@ from functools import partial
 import numpy as np
 
 from mitl.motion.dynamics import AS_FAST_AS_IT_CAN, Dynamics
+from mitl.motion.followed_moves import FollowedMoves
+from mitl.motion.following import ConveyorUnits
 from mitl.motion.motion_queue import MotionQueue
 from mitl.motion.refusals import refusal
 from mitl.motion.segments import Queued
@@ -57,12 +59,21 @@ class _Velocity:
 
 
 class RobotEffects:
-    """The motion side of one task. triggered: carries out the action of a trigger at a time in s. told: enters a text in the event log."""
+    """The motion side of one task.
+
+    triggered: carries out the action of a trigger at a time in s. told: enters a text in the event log. units: the controller's conveyors.
+    """
 
     def __init__(
-        self, motion: MotionQueue, *, triggered: Callable[[effects.Action, float], None], told: Callable[[float, str], None]
+        self,
+        motion: MotionQueue,
+        *,
+        triggered: Callable[[effects.Action, float], None],
+        told: Callable[[float, str], None],
+        units: ConveyorUnits,
     ) -> None:
         self.motion = motion
+        self.followed = FollowedMoves(motion.planner, motion.record, units)
         self.settings = MoveSettings()
         self.last: effects.Motion | None = None
         self._dynamics: Dynamics = AS_FAST_AS_IT_CAN
@@ -75,7 +86,7 @@ class RobotEffects:
         """Puts a move, with what happens on its way, behind the others. Raises MotionError where it cannot be moved as told."""
         self._warn_of_external_axes(effect, now)
         motion = self.motion
-        plan = motion.planner.plan_move(self._velocity.limited(effect), motion.programmed, self.settings)
+        plan = self.followed.plan(self._velocity.limited(effect), motion.programmed, self.settings, now)
         queued = motion.add(replace(plan, dynamics=self._dynamics))
         for trigger in triggers:
             motion.at_place(queued, trigger, partial(self._triggered, trigger.action))
@@ -110,6 +121,8 @@ class RobotEffects:
             case effects.SetAxisOffsets():
                 if any(abs(offset) > 0 and offset < _UNUSED for offset in astuple(effect.offsets)):
                     self._warn(now, "EOffs", "external axes are not simulated: their offsets are left out")
+            case effects.ActivateUnit() if effect.unit in self.followed.units:
+                self.followed.units.activate(effect.unit, effect.active)
             case effects.ActivateUnit():
                 self._warn(now, f"unit {effect.unit}", f"mechanical unit {effect.unit} is not simulated: ActUnit and DeactUnit do nothing")
             case _:

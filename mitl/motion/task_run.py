@@ -12,6 +12,7 @@ from typing import assert_never
 
 from mitl.errors import MotionError
 from mitl.motion.answers import Desk, Position
+from mitl.motion.followed_moves import FollowedMoves
 from mitl.motion.interrupt_sources import InterruptSources
 from mitl.motion.record import TICK
 from mitl.motion.refusals import refusal
@@ -24,6 +25,7 @@ from rapid_interp import data, effects
 LOOK_AHEAD = 200
 """Fly-by moves that are planned together, where nothing can come between them, before the program waits for the motion. ASSUMPTION A-04."""
 _MOST_EFFECTS = 20_000
+_SAME = 1e-9
 _READS_PER_TICK = 20
 """A program that polls inputs or clocks gets on in time: so many readings take one tick. ASSUMPTION A-06."""
 
@@ -223,7 +225,14 @@ class TaskRun:
         motion = robot.motion
         if robot.set(effect, now):
             return Waiting()
+        if isinstance(effect, effects.ClearMotion | effects.StoreMotion) and robot.followed.follows:
+            raise refusal(effect, "the path cannot be cleared or put aside while the robot follows a conveyor")
         match effect:
+            case effects.WaitWorkObject():
+                return self._work_object_awaited(robot.followed, effect, now)
+            case effects.DropWorkObject():
+                robot.followed.drop(effect)
+                return Waiting()
             case effects.StopMotion():
                 standing = robot.stop(now, StopKind.QUICK if effect.quick else StopKind.PROGRAM)
                 return Waiting(since=standing)
@@ -239,6 +248,22 @@ class TaskRun:
                 return Waiting(since=now, event=motion.standing_from, reply=robot.take_back)
             case _:
                 raise refusal(effect, "not supported by this controller yet")
+
+    def _work_object_awaited(self, followed: FollowedMoves, effect: effects.WaitWorkObject, now: float) -> Waiting:
+        here = self._here(now)
+        latest = math.inf if effect.max_time is None else now + effect.max_time
+
+        def comes() -> float:
+            since = max(here(), now)
+            return followed.arrives(effect, since) if math.isfinite(since) else math.inf
+
+        def reply(time: float) -> effects.Reply:
+            if comes() > time + _SAME:
+                return effects.Failed("ERR_WAIT_MAXTIME", f"no work object of {effect.wobj.ufmec} came within {effect.max_time:g} s")
+            followed.connect(effect, time)
+            return None
+
+        return Waiting(since=now, event=comes, latest=latest, reply=reply)
 
     def _here(self, now: float) -> Callable[[], float]:
         """Gives the event that the program has got to where it is: with fly-by moves before it, that the arm is near enough."""

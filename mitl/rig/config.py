@@ -5,6 +5,7 @@ kind = "simulation"     # or "physical", with sections of its own: see docs/phys
 robot = "irb140"        # a folder in models/
 tracker = "thesis"      # a preset in models/trackers/, or a preset file (.toml) beside the rig file
 fidelity = "kinematic"  # the executed trajectory is played back; "dynamic": servo, gravity, tracker on a compliant mount
+cell = "line"           # what stands around the robot, with its conveyors: a folder in models/cells/, or one beside the rig file
 poses = "poses.mod"     # RAPID program with the calibration poses, made by `mitl calibrate --plan`; the robot's own without it
 calibration = "c.toml"  # a stored calibration beside the rig file, verified at the start of every case; without it every run calibrates
 
@@ -15,9 +16,10 @@ aoTrigger = { button = 1, above = 5.0 }   # an analog output over a comparator: 
 [devices.reference]     # further tracked devices, by name; "reference" stands still and tells whether the tracker's frame stays
 tracker = "thesis"      # preset; the rig's own without it
 position = [0.8, -0.6, 0.4]   # m, in the world
-velocity = [0.1, 0.0, 0.0]    # m/s from the beginning of every case on, e.g. of a belt; at rest without it
+velocity = [0.1, 0.0, 0.0]    # m/s from the beginning of every case on; at rest without it
+conveyor = "belt"             # of the cell: the device lies on this belt, `position` being its place when the encoder counts 0
 
-A [devices] section replaces the built-in reference; an empty one leaves the rig without.
+A [devices] section replaces the built-in reference and the device on the belt of the cell `line`; an empty one leaves the rig without.
 """
 
 from __future__ import annotations
@@ -35,6 +37,8 @@ from mitl.errors import UsageError
 Triple = tuple[float, float, float]
 REFERENCE = "reference"
 """Name of the device that stands still in view."""
+BELT = "belt"
+"""Name of the device that lies on a conveyor."""
 _TEXTS: dict[str, tuple[str, ...] | None] = {
     "kind": ("simulation", "physical"),  # physical: read by physical_config
     "robot": None,
@@ -42,6 +46,7 @@ _TEXTS: dict[str, tuple[str, ...] | None] = {
     "fidelity": ("kinematic", "dynamic"),
     "calibration": None,
     "poses": None,
+    "cell": None,
 }
 _SECTIONS = ("rig", "buttons", "devices")
 _MOST_BUTTONS = 15
@@ -49,18 +54,26 @@ _MOST_BUTTONS = 15
 
 @dataclass(frozen=True)
 class DeviceConfig:
-    """Another tracked device. tracker: preset, or "" for the rig's own. position: m, velocity: m/s, both in the world."""
+    """Another tracked device. tracker: preset, or "" for the rig's own. position: m, velocity: m/s, both in the world.
+
+    conveyor: name of the belt on which it lies, or "".
+    """
 
     tracker: str = ""
     position: Triple = (0.8, -0.6, 0.4)
     velocity: Triple = (0.0, 0.0, 0.0)
+    conveyor: str = ""
+
+
+_ON_THE_LINE = DeviceConfig(position=(0.62, -0.3, 0.36), conveyor="belt")
+"""The built-in rig's device on the belt of the cell `line`: behind the place where the tool works."""
 
 
 @dataclass(frozen=True)
 class RigConfig:
     """What a rig file says. name: as results call the rig. calibration: a file, or "" for a calibration of every run's own.
 
-    poses: RAPID program with the calibration poses, or "" for the robot's.
+    poses: RAPID program with the calibration poses, or "" for the robot's. cell: a cell's name or folder, or "" for none.
     buttons: output of the controller -> button of the tracker, pressed above the output's threshold, 0 without one.
     devices: by name. folder: what paths are relative to.
     """
@@ -72,9 +85,10 @@ class RigConfig:
     fidelity: str = "kinematic"
     calibration: str = ""
     poses: str = ""
+    cell: str = "line"
     buttons: Mapping[str, int] = field(default_factory=lambda: {"doTrigger": 0, "aoTrigger": 1})
     thresholds: Mapping[str, float] = field(default_factory=lambda: {"aoTrigger": 5.0})
-    devices: Mapping[str, DeviceConfig] = field(default_factory=lambda: {REFERENCE: DeviceConfig()})
+    devices: Mapping[str, DeviceConfig] = field(default_factory=lambda: {REFERENCE: DeviceConfig(), BELT: _ON_THE_LINE})
     folder: Path = Path()
 
 
@@ -103,6 +117,8 @@ def read_rig(name_or_file: str) -> RigConfig:
             name: _device(file, f"devices.{name}", _section(file, table["devices"], name, "devices."))
             for name in _section(file, table, "devices")
         }
+    elif values.get("cell", RigConfig.cell) != RigConfig.cell:
+        values["devices"] = {REFERENCE: DeviceConfig()}
     return RigConfig(**values)
 
 
@@ -153,15 +169,17 @@ def _buttons(file: Path, table: Mapping[str, Any]) -> tuple[dict[str, int], dict
 def _device(file: Path, section: str, table: Mapping[str, Any]) -> DeviceConfig:
     values: dict[str, Any] = {}
     for key, value in table.items():
-        _known(file, key, ("tracker", "position", "velocity"), f"[{section}] unknown key")
-        if key == "tracker":
+        _known(file, key, ("tracker", "position", "velocity", "conveyor"), f"[{section}] unknown key")
+        if key in ("tracker", "conveyor"):
             if not isinstance(value, str):
-                raise UsageError(f"{file}: [{section}] tracker must be a string, is {value!r}")
+                raise UsageError(f"{file}: [{section}] {key} must be a string, is {value!r}")
             values[key] = value
             continue
         if not isinstance(value, list) or len(value) != 3 or any(isinstance(v, bool) or not isinstance(v, int | float) for v in value):
             raise UsageError(f"{file}: [{section}] {key} must be three numbers, is {value!r}")
         values[key] = tuple(float(v) for v in value)
-    if section == f"devices.{REFERENCE}" and any(values.get("velocity", ())):
-        raise UsageError(f"{file}: [{section}] must not have a velocity: the reference stands still")
+    if section == f"devices.{REFERENCE}" and (any(values.get("velocity", ())) or values.get("conveyor")):
+        raise UsageError(f"{file}: [{section}] must have neither velocity nor conveyor: the reference stands still")
+    if any(values.get("velocity", ())) and values.get("conveyor"):
+        raise UsageError(f"{file}: [{section}] has a velocity and a conveyor; expected one of them")
     return DeviceConfig(**values)

@@ -18,14 +18,16 @@ from mitl.controllers.faults import parse_fault
 from mitl.controllers.simulated import SimulatedController
 from mitl.engine.calibration_session import CASE_ID as CALIBRATION
 from mitl.errors import UsageError
+from mitl.motion.conveyor import Belt
 from mitl.motion.oracles import PlannedOracles
 from mitl.motion.robot_model import RobotModel, load_robot_model
 from mitl.paths import FloatArray
 from mitl.poses import pose_of
 from mitl.protocols import Rig
-from mitl.rig.config import DeviceConfig, RigConfig, read_rig
+from mitl.rig.config import RigConfig, read_rig
 from mitl.rig.physical_config import is_physical
 from mitl.simulation.arm import kinematic_arm
+from mitl.simulation.cell import Cell, load_cell
 from mitl.simulation.dynamic_arm import dynamic_arm
 from mitl.simulation.process import JointSource
 from mitl.simulation.tracker_button import ButtonInput, WiredButton
@@ -52,7 +54,9 @@ def load_rig(name_or_file: str, seed: int, faults: Sequence[str]) -> Rig:
     broken = [parse_fault(text) for text in faults]
     model = load_robot_model(config.robot)
     presets = {HAND: _preset(config, config.tracker), **{name: _device_preset(config, name) for name in config.devices}}
-    controller = SimulatedController(model, broken)
+    cell = _cell(config)
+    belts = {conveyor.name: Belt(conveyor) for conveyor in (cell.conveyors if cell else ())}
+    controller = SimulatedController(model, broken, list(belts.values()))
     X_WL, X_FM = placement(seed)
     origin = [0.0]  # when the case began
     models = _tracker_models(presets, seed, Session(seed, 0.0))
@@ -63,7 +67,7 @@ def load_rig(name_or_file: str, seed: int, faults: Sequence[str]) -> Rig:
         X_WL=X_WL,
         X_FM=X_FM,
         arm=dynamic_arm(X_FM) if config.fidelity == "dynamic" else kinematic_arm,
-        devices=[Device(name, models[name], _way(device, lambda: origin[0])) for name, device in config.devices.items()],
+        devices=[Device(name, models[name], _way(config, name, lambda: origin[0], belts)) for name in config.devices],
     )
     controller.connect(world)
     world.add(controller)
@@ -89,7 +93,7 @@ def load_rig(name_or_file: str, seed: int, faults: Sequence[str]) -> Rig:
         controller=controller,
         tracker=trackers[HAND],
         clock=world,
-        oracles=PlannedOracles(model),
+        oracles=PlannedOracles(model, cell.conveyors if cell else ()),
         begin_case=begin_case,
         versions={"mitl": __version__, "python": platform.python_version(), **{name: version(name) for name in _PACKAGES}},
         devices={name: tracker for name, tracker in trackers.items() if name != HAND},
@@ -132,8 +136,24 @@ def _tracker_models(presets: Mapping[str, TrackerParameters], seed: int, session
     return {hand: leader, **followers}
 
 
-def _way(device: DeviceConfig, begun: Callable[[], float]) -> Callable[[float], FloatArray] | FloatArray:
-    """Gives where a further device is: X_WM (7,), or a function of the time in s that counts its way from `begun()` on."""
+def _cell(config: RigConfig) -> Cell | None:
+    """Gives the rig's cell: one that comes with mitl, or one in a folder beside the rig file."""
+    beside = config.folder / config.cell
+    return load_cell(str(beside) if (beside / "cell.toml").is_file() else config.cell) if config.cell else None
+
+
+def _way(
+    config: RigConfig, name: str, begun: Callable[[], float], belts: Mapping[str, Belt]
+) -> Callable[[float], FloatArray] | FloatArray:
+    """Gives where a further device is: X_WM (7,), or a function of the time in s: with its belt, or from `begun()` on at its velocity."""
+    device = config.devices[name]
+    if device.conveyor:
+        if device.conveyor not in belts:
+            known = ", ".join(belts) or "none"
+            raise UsageError(f"rig {config.name}: [devices.{name}] lies on the conveyor {device.conveyor!r}; its cell has {known}")
+        belt = belts[device.conveyor]
+        home, direction = np.array([*device.position, 1.0, 0.0, 0.0, 0.0]), np.array([*belt.conveyor.direction, 0.0, 0.0, 0.0, 0.0])
+        return lambda time: home + direction * belt.position(time)
     place, velocity = (np.array([*vector, 1.0, 0.0, 0.0, 0.0]) for vector in (device.position, device.velocity))
     velocity[3] = 0.0
     return place if not np.any(velocity) else lambda time: place + velocity * (time - begun())

@@ -12,7 +12,14 @@ cell.toml:
   start_mm = [0, 0, 0]           # where the conveyor's frame stands at an encoder value of 0, in the model's frame
   direction_deg = 0              # the belt runs along x of this frame, turned about z
   counts_per_m = 10000.0         # of the encoder
-  speed_m_s = 0.1
+  speed_m_s = 0.1                # from the beginning on
+  # these need not be there:
+  speed_signal = "aoBelt"        # the output that commands the drive, in mm/s; such a belt stops at its home and at its length
+  position_signal = "aiBelt"     # the input that tells how far the belt is, in mm
+  acceleration_m_s2 = 0.5        # of the drive
+  length_mm = 800.0
+  farthest_mm = 700.0            # behind the sensor; farther a work piece cannot be followed
+  pieces_mm = [0.0]              # before the sensor, where work pieces lie at an encoder value of 0
 
 Invariant: everything in a cell stands still in the world; only a conveyor's frame moves, and not its geometry.
 """
@@ -29,32 +36,18 @@ from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
+from scipy.spatial.transform import RigidTransform as Frame
+from scipy.spatial.transform import Rotation
 
 from mitl.errors import UsageError
+from mitl.motion.conveyor import Conveyor
 from mitl.resources import models_folder
-from mitl.simulation.arm import for_drake
 
 _MODELS = (".urdf", ".sdf")
 _KEYS = {"cell": {"description", "model", "position_mm", "roll_pitch_yaw_deg"}}
 _HERE = 1e-9
-_CONVEYOR_KEYS = {"name", "unit", "start_mm", "direction_deg", "counts_per_m", "speed_m_s"}
-
-
-@dataclass(frozen=True, eq=False)
-class Conveyor:
-    """A belt with an encoder: the frame at encoder value 0 in the base, X_BU, moves along its own x axis."""
-
-    name: str
-    unit: str
-    X_BU: RigidTransform
-    counts_per_m: float
-    speed: float
-
-    def frame_at(self, counts: float) -> RigidTransform:
-        """Gives X_BU when the encoder has counted so far."""
-        way = RigidTransform(for_drake(np.array([counts / self.counts_per_m, 0.0, 0.0])))
-        X_BU: RigidTransform = self.X_BU.multiply(way)
-        return X_BU
+_CONVEYOR_OPTIONS = {"speed_signal", "position_signal", "acceleration_m_s2", "length_mm", "farthest_mm", "pieces_mm"}
+_CONVEYOR_KEYS = {"name", "unit", "start_mm", "direction_deg", "counts_per_m", "speed_m_s"} | _CONVEYOR_OPTIONS
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +145,26 @@ def _conveyor(file: Path, belt: dict[str, Any], X_BC: RigidTransform) -> Conveyo
     counts = _number(file, belt, "counts_per_m")
     if counts <= 0:
         raise UsageError(f"{file}: counts_per_m must be positive, is {counts:g}")
-    return Conveyor(_text(file, belt, "name"), _text(file, belt, "unit"), X_BC.multiply(X_CU), counts, _number(file, belt, "speed_m_s"))
+    options: dict[str, Any] = {key: _text(file, belt, key) for key in ("speed_signal", "position_signal") if key in belt}
+    for key, name, unit in (("acceleration_m_s2", "acceleration", 1.0), ("length_mm", "length", 1e-3), ("farthest_mm", "farthest", 1e-3)):
+        if key in belt:
+            options[name] = unit * _number(file, belt, key)
+            if options[name] <= 0:
+                raise UsageError(f"{file}: {key} must be positive, is {belt[key]!r}")
+    if "pieces_mm" in belt:
+        pieces = belt["pieces_mm"]
+        if not isinstance(pieces, list) or not pieces or any(isinstance(v, bool) or not isinstance(v, int | float) for v in pieces):
+            raise UsageError(f"{file}: pieces_mm must be a list of numbers, is {pieces!r}")
+        options["pieces"] = tuple(sorted(1e-3 * float(piece) for piece in pieces))
+    X_BU = X_BC.multiply(X_CU)
+    return Conveyor(
+        name=_text(file, belt, "name"),
+        unit=_text(file, belt, "unit"),
+        X_BU=Frame.from_components(X_BU.translation(), Rotation.from_matrix(X_BU.rotation().matrix())),
+        counts_per_m=counts,
+        speed=_number(file, belt, "speed_m_s"),
+        **options,
+    )
 
 
 def _text(file: Path, table: dict[str, Any], key: str) -> str:

@@ -54,8 +54,8 @@ def test_a_cell_stands_where_its_file_says(folder):
 def test_a_conveyor_moves_its_frame_by_its_encoder(folder):
     (belt,) = load_cell(str(folder)).conveyors
     assert (belt.name, belt.unit, belt.speed) == ("belt", "CNV1", 0.2)
-    assert belt.frame_at(0).translation() == pytest.approx([0.5, 0.1, 0.15])
-    way = belt.frame_at(5000).translation() - belt.frame_at(0).translation()
+    assert belt.frame_at(0).translation == pytest.approx([0.5, 0.1, 0.15])
+    way = belt.frame_at(5000).translation - belt.frame_at(0).translation
     assert way == pytest.approx([-0.5, 0, 0]), "90 deg of the cell and 90 deg of the belt"
 
 
