@@ -13,7 +13,10 @@ from typing import TYPE_CHECKING
 import click
 
 if TYPE_CHECKING:  # heavy imports only when the command runs
+    from collections.abc import Sequence
+
     from mitl.cli.progress import Progress
+    from mitl.motion.conveyor import Conveyor
     from mitl.motion.offline import Samples
     from mitl.motion.program_run import ProgramRun
     from mitl.motion.robot_model import RobotModel
@@ -36,6 +39,7 @@ _SUFFIXES = (".csv", ".mcap")
 @click.option("--input", "inputs", multiple=True, metavar="SIGNAL=VALUE@SECONDS", help="Give an input signal a value from a time on.")
 @click.option("--answer", "answers", multiple=True, metavar="TEXT", help="What the operator answers; once for every question, in order.")
 @click.option("--robot", default="irb140", show_default=True, help="Robot model.")
+@click.option("--cell", metavar="NAME|FOLDER", help="The cell around the robot, for its conveyors: a name in models/cells/ or a folder.")
 @click.option("--rate", type=click.FloatRange(min=0, min_open=True), default=250.0, show_default=True, help="Samples per second, exact.")
 @click.option("--frame", type=click.Choice(("world", "wobj", "base")), default="world", show_default=True, help="Frame of the path.")
 @click.option(
@@ -63,6 +67,7 @@ def oracle_command(
     inputs: tuple[str, ...],
     answers: tuple[str, ...],
     robot: str,
+    cell: str | None,
     rate: float,
     frame: str,
     view: str,
@@ -97,7 +102,7 @@ def oracle_command(
     try:
         with Progress("computing the path") as progress:
             program = _loaded(sources, changes, lenient=lenient)
-            run, samples = _computed(program, routine, assignments, changes, answers, model, rate, frame, view, max_time, progress)
+            run, samples = _computed(program, routine, assignments, changes, answers, cell, model, rate, frame, view, max_time, progress)
             if output is not None:
                 names = " ".join(source.name for source in sources)
                 _write(output, run, samples, {"robot": model.name, "routine": routine, "view": view, "frame": frame, "sources": names})
@@ -132,6 +137,7 @@ def _computed(
     assignments: list[tuple[str, str]],
     changes: list[InputChange],
     answers: tuple[str, ...],
+    cell: str | None,
     model: RobotModel,
     rate: float,
     frame: str,
@@ -159,7 +165,7 @@ def _computed(
             task.set(name, value)
         except RapidError as error:
             raise UsageError(f"--set {name}={value}: {error.message}") from error
-    run = start_run(task.run(), model, inputs=changes, answers=answers)
+    run = start_run(task.run(), model, inputs=changes, answers=answers, conveyors=_conveyors(cell))
     watch = LoopWatch(run)
     longest, done = (_LONGEST, watch) if max_time is None else (max_time, lambda _: False)
     run_until(run, longest, done, progress=lambda now: progress.at(f"{now:.1f} s of the robot's time"))
@@ -178,6 +184,15 @@ def _computed(
         raise UsageError(f"{ends:.0f} s at --rate {rate:g} are {ends * rate:.3g} samples, more than {_MOST_SAMPLES:.0e}")
     times = np.arange(math.floor(ends * rate + 1e-9) + 1) / rate
     return run, sample(run, times, View(view), Frame(frame))
+
+
+def _conveyors(cell: str | None) -> Sequence[Conveyor]:
+    """Gives the conveyors of a cell by its name or folder; none without a cell. Raises UsageError."""
+    if cell is None:
+        return ()
+    from mitl.simulation.cell import load_cell  # noqa: PLC0415 - loads Drake
+
+    return load_cell(cell).conveyors
 
 
 def read_assignment(text: str) -> tuple[str, str]:

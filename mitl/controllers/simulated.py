@@ -46,8 +46,8 @@ _OFF_WITHIN = 0.2
 class SimulatedController:
     """A controller for one arm. Implements Controller for test cases, Process and JointSource for the simulated world.
 
-    Call `connect` with the world's clock before anything else. faults: what is wrong with it, on purpose. belts: the conveyors whose encoders
-    and drives are wired to it, in the world's time.
+    Call `connect` with the world's clock before anything else. faults: what is wrong with it, on purpose. belts: the conveyors whose
+    encoders and drives are wired to it, in the world's time.
     """
 
     def __init__(self, model: RobotModel, faults: Sequence[Fault] = (), belts: Sequence[Belt] = ()) -> None:

@@ -35,8 +35,8 @@ class TrackedRun:
     raw: X_LM on the tracker's clock, invalid samples included. tool: the valid samples as X_OT, times unchanged. oracle: on its own clock,
     0 where the program starts. began, ended: s on the rig's clock, when the order was given and when it was seen to be done. samples: what
     the tracker told besides `raw`, buttons above all.
-    given: when it was given on the tracker's clock, as near as the rig knows. beside: X_LM of the further devices that were asked for, by name,
-    on the same clock, invalid samples included.
+    given: when it was given on the tracker's clock, as near as the rig knows. beside: X_LM of the further devices that were asked for, by
+    name, on the same clock, invalid samples included.
     """
 
     option: int
@@ -143,8 +143,9 @@ class Bench:
     ) -> TrackedRun:
         """Gives the tracked execution of one order to the case's program, and records it under `name`.
 
-        variables: RAPID variables set to literals before the order. timeout in s of the rig's time. beside: names of the rig's further devices
-        to be tracked as well. Raises RigError where the controller stops by itself, the order is not done in time, or the tracker is lost.
+        variables: RAPID variables set to literals before the order. timeout in s of the rig's time. beside: names of the rig's further
+        devices to be tracked as well. Raises RigError where the controller stops by itself, the order is not done in time, or
+        the tracker is lost.
         """
         chosen = dict(variables or {})
         oracle = self.oracle(option, sub_option, variables=chosen)

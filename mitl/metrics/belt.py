@@ -38,7 +38,9 @@ def belt_way(time: FloatArray, points: FloatArray, standing_until: float) -> Bel
     """
     still = time <= standing_until
     if not still.any():
-        raise ValueError(f"expected the belt to stand at first, up to {standing_until:.2f} s; the recording begins at {time.min(initial=np.inf):.2f} s")
+        raise ValueError(
+            f"expected the belt to stand at first, up to {standing_until:.2f} s; the recording begins at {time.min(initial=np.inf):.2f} s"
+        )
     moved = points - points[still].mean(axis=0)
     direction = np.linalg.svd(moved, full_matrices=False)[2][0]
     way = moved @ direction

@@ -6,6 +6,7 @@ Invariant: an arm that follows a belt goes onto it and off it again along a line
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -54,7 +55,9 @@ class FollowedMoves:
         if not isinstance(effect, effects.MoveL | effects.MoveC):
             raise refusal(effect, f"{type(effect).__name__} cannot follow a conveyor, nor go onto or off it: MoveL and MoveC can")
         if onto is not None and self._on is not None and onto is not self._on:
-            raise refusal(effect, "the robot cannot go from one conveyor's work object to another's: a move to one that stands comes between")
+            raise refusal(
+                effect, "the robot cannot go from one conveyor's work object to another's: a move to one that stands comes between"
+            )
         if onto is None:
             plan = self._planner.plan_move(effect, q_start, settings)
         else:
@@ -85,12 +88,13 @@ class FollowedMoves:
         """Gives the time in s, `since` or later, at which the awaited work object comes, as its belt runs now; inf if it will not."""
         return self.units.arrives(self._unit(effect), bridge.MM * effect.distance_mm, since)
 
+    def expect(self, effect: effects.WaitWorkObject) -> None:
+        """Raises MotionError where the awaited work object could not be connected."""
+        self._told(effect, self.units.expect)
+
     def connect(self, effect: effects.WaitWorkObject, time: float) -> None:
         """Connects the awaited work object, which has come. Raises MotionError."""
-        try:
-            self.units.connect(self._unit(effect), time)
-        except FollowingError as error:
-            raise refusal(effect, str(error)) from error
+        self._told(effect, lambda unit: self.units.connect(unit, time))
 
     def let_go(self, time: float) -> None:
         """Stops carrying the arm from `time` s on: its program has ended."""
@@ -121,7 +125,15 @@ class FollowedMoves:
         share = np.abs(here - before) / TICK / model.speed
         if share.max() > _TOO_FAST:
             axis = int(np.argmax(share))
-            raise refusal(self._last, f"to follow {conveyor.unit} axis {axis + 1} would have to turn at {share[axis]:.0%} of its speed limit")
+            raise refusal(
+                self._last, f"to follow {conveyor.unit} axis {axis + 1} would have to turn at {share[axis]:.0%} of its speed limit"
+            )
+
+    def _told(self, effect: effects.WaitWorkObject, does: Callable[[str], None]) -> None:
+        try:
+            does(self._unit(effect))
+        except FollowingError as error:
+            raise refusal(effect, str(error)) from error
 
     def _connected(self, effect: effects.Motion) -> Connection:
         try:

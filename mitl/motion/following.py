@@ -1,4 +1,4 @@
-"""How an arm follows work pieces on conveyor belts: which piece is connected, where the controller takes it to be, which way the arm is carried.
+"""How an arm follows work pieces on conveyor belts: which one, where the controller takes it to be, how far the arm is carried.
 
 Moves on a belt are planned where their work piece is when it is connected; from then on the arm is carried with it. Invariant: at any time
 the controller knows of a belt only what its encoder has told up to then.
@@ -36,8 +36,8 @@ class Encoder:
 class Connection:
     """A work piece that a program has connected: the controller's belief of how far the sensor is behind it, and where that began, in m.
 
-    piece: m before the sensor at which it lay at the encoder's 0. begin: how far it was, as believed, when it was connected. let_go: time in s
-    from which on the arm is no longer carried further.
+    piece: m before the sensor at which it lay at the encoder's 0. begin: how far it was, as believed, when it was connected.
+    let_go: time in s from which on the arm is no longer carried further.
     """
 
     belt: Belt
@@ -133,13 +133,18 @@ class ConveyorUnits:
         way = (piece + distance) / self._encoder.gain
         return found.belt.when_at(way, self._origin + since) - self._origin
 
-    def connect(self, unit: str, time: float) -> None:
-        """Connects the unit's next piece at `time` s. Raises FollowingError where one is connected or the unit is not active."""
+    def expect(self, unit: str) -> None:
+        """Raises FollowingError where no piece of the unit can be connected: one is, or the unit is not active."""
         found = self._of(unit)
         if not found.active:
             raise FollowingError(f"{unit} is not active: ActUnit {unit} comes first")
         if found.connected is not None:
             raise FollowingError(f"a work object of {unit} is connected already: DropWObj comes first")
+
+    def connect(self, unit: str, time: float) -> None:
+        """Connects the unit's next piece at `time` s. Raises FollowingError where that cannot be, see `expect`."""
+        self.expect(unit)
+        found = self._of(unit)
         piece = self._next(found, time)
         found.taken[piece] = self._origin + time
         found.connected = Connection(found.belt, self._origin, self._horizon, self._encoder, piece)
@@ -174,7 +179,9 @@ class ConveyorUnits:
         found = self._units.get(unit.lower())
         if found is None:
             known = ", ".join(unit.belt.conveyor.unit for unit in self._units.values())
-            raise FollowingError(f"there is no conveyor {unit!r}" + (f"; known are {known}" if known else ": name a cell that has it (--cell)"))
+            raise FollowingError(
+                f"there is no conveyor {unit!r}" + (f"; known are {known}" if known else ": name a cell that has it (--cell)")
+            )
         return found
 
     def _next(self, unit: _Unit, time: float) -> float:

@@ -250,6 +250,7 @@ class TaskRun:
                 raise refusal(effect, "not supported by this controller yet")
 
     def _work_object_awaited(self, followed: FollowedMoves, effect: effects.WaitWorkObject, now: float) -> Waiting:
+        followed.expect(effect)
         here = self._here(now)
         latest = math.inf if effect.max_time is None else now + effect.max_time
 

@@ -142,9 +142,7 @@ def _cell(config: RigConfig) -> Cell | None:
     return load_cell(str(beside) if (beside / "cell.toml").is_file() else config.cell) if config.cell else None
 
 
-def _way(
-    config: RigConfig, name: str, begun: Callable[[], float], belts: Mapping[str, Belt]
-) -> Callable[[float], FloatArray] | FloatArray:
+def _way(config: RigConfig, name: str, begun: Callable[[], float], belts: Mapping[str, Belt]) -> Callable[[float], FloatArray] | FloatArray:
     """Gives where a further device is: X_WM (7,), or a function of the time in s: with its belt, or from `begun()` on at its velocity."""
     device = config.devices[name]
     if device.conveyor:
