@@ -55,7 +55,7 @@ def displaced(arm: Arm, joints: FloatArray, shift: FloatArray) -> tuple[FloatArr
     for run in np.split(where, np.flatnonzero(np.diff(where) > 1) + 1):
         X_BF = RigidTransform.from_translation(shift[run]) * arm.flange(joints[run])
         found[run] = arm.joints(X_BF, joints[run[0]])
-    lost = np.isnan(found).any(axis=1)
+    lost = np.asarray(np.isnan(found).any(axis=1))
     for row in np.flatnonzero(lost):
         found[row] = found[row - 1] if row > 0 else near
     return found, lost

@@ -21,8 +21,8 @@ class Conveyor:
     """A belt with an encoder, which moves its frame along the frame's own x axis.
 
     unit: the mechanical unit that RAPID's work objects name. X_BU: its frame in the base where the encoder counts 0, at the sensor that
-    sees work pieces. counts_per_m: of the encoder. speed: m/s from the beginning on. speed_signal: the output that commands the drive, mm/s,
-    or "". position_signal: the input that tells how far the belt is, mm, or "". acceleration: m/s^2 with which the drive changes its speed.
+    sees work pieces. counts_per_m: of the encoder. speed: m/s from the beginning on. speed_signal: the output that commands the drive in
+    mm/s, or "". position_signal: the input that tells how far it is in mm, or "". acceleration: m/s^2 with which the drive changes it.
     length: m; where it has a drive of its own, a belt stops at its home, 0, and there. farthest: m behind the sensor at which a work piece
     can no longer be followed. pieces: (K,) m before the sensor at which work pieces lie while the encoder counts 0, ascending.
     """

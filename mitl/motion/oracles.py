@@ -77,7 +77,7 @@ def _cut(run: ProgramRun, begins: float, accuracy: OracleAccuracy) -> Oracle:
     moves = [executed for executed in run.record.moves if executed.begins >= begins]
     linear = [executed.move for executed in moves if not isinstance(executed.move.effect, effects.MoveAbsJ)]
     carried = [move for move in linear if move.following is not None and move.following.end > 0]
-    chosen = (carried or linear or [executed.move for executed in moves[-1:]] or [None])[0]
+    chosen = next(iter(carried or linear or [executed.move for executed in moves[-1:]]), None)
     X_BO, X_FT = (chosen.X_BO, chosen.leg.X_FT) if chosen is not None else (RigidTransform.identity(), RigidTransform.identity())
     times = begins + np.arange(math.floor(max(run.record.end - begins, 0.0) * RATE) + 2) / RATE
     return Oracle(

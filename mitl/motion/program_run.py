@@ -175,8 +175,6 @@ class ProgramRun:
             if not any(went_on):
                 break
             self._motion.happen(now)
-        if self._main.finished:
-            self._robot.followed.let_go(self.ended)
 
     def hold(self, now: float, kind: StopKind = StopKind.PROGRAM) -> None:
         """Stops program and motion along the path at `now` s; `resume` lets both go on from there."""

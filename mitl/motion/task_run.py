@@ -131,6 +131,8 @@ class TaskRun:
             effect = self._generator.send(reply) if self.at is not None else next(self._generator)
         except StopIteration:
             self.ended, self.finished = self._end_of_motion(now), True
+            if self._robot is not None:
+                self._robot.followed.let_go(self.ended)
             return
         self.at = effect.at
         if isinstance(effect, effects.Resume):
