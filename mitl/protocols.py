@@ -7,10 +7,12 @@ poses are named X_AB (frame B in frame A): W world, B base, F flange, T tool cen
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from pathlib import Path
 from typing import Protocol, runtime_checkable
+
+import numpy as np
 
 from mitl.feedback import FeedbackSamples
 from mitl.paths import FloatArray, PosePath
@@ -188,11 +190,24 @@ class ProgrammedMove:
 
 @dataclass(frozen=True)
 class OracleAccuracy:
-    """How well an oracle knows the real arm, as standard uncertainties: of the path in m, of times in s, of steady speeds as a share."""
+    """How well an oracle knows the real arm, as standard uncertainties.
+
+    path: of positions, m. time: of when they are taken, s. speed: of steady speeds, as a share. turn: of orientations, rad.
+    """
 
     path: float = 0.0
     time: float = 0.0
     speed: float = 0.0
+    turn: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class OracleBounds:
+    """How well an oracle knows the real arm at each of N samples, as standard uncertainties: path (N,) m, turn (N,) rad, time (N,) s."""
+
+    path: FloatArray
+    turn: FloatArray
+    time: FloatArray
 
 
 @dataclass(frozen=True)
@@ -200,7 +215,8 @@ class Oracle:
     """What a nominal controller would do with a program: the path of the TCP in the work object, the moves, the outputs.
 
     tcp: X_OT over time (tool view). tool: X_FT (7,). wobj: X_BO (7,). signals: name -> (times (K,), values (K,)) of changes.
-    accuracy: what the oracle adds to an uncertainty budget; none where it is exact.
+    accuracy: what the oracle adds to an uncertainty budget; none where it is exact. bounds: the same at each sample of tcp, or None where
+    it is `accuracy` everywhere.
     """
 
     tcp: PosePath
@@ -209,6 +225,16 @@ class Oracle:
     moves: tuple[ProgrammedMove, ...]
     signals: dict[str, tuple[FloatArray, FloatArray]] = field(default_factory=dict)
     accuracy: OracleAccuracy = OracleAccuracy()
+    bounds: OracleBounds | None = None
+
+    def accuracy_between(self, start: float, stop: float) -> OracleAccuracy:
+        """Gives the widest bounds from start to stop, in s of the oracle's clock, the nearest sample's where none lies between."""
+        if self.bounds is None or len(self.tcp) == 0:
+            return self.accuracy
+        first = int(np.clip(np.searchsorted(self.tcp.time, start), 0, len(self.tcp) - 1))
+        beyond = max(int(np.searchsorted(self.tcp.time, stop, side="right")), first + 1)
+        path, turn, time = (float(bound[first:beyond].max()) for bound in (self.bounds.path, self.bounds.turn, self.bounds.time))
+        return replace(self.accuracy, path=path, turn=turn, time=time)
 
 
 class OracleSource(Protocol):

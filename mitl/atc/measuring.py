@@ -85,8 +85,12 @@ def budget_of_point(bench: Bench, point: StillPoint) -> Budget:
 
 
 def budget_of_path(bench: Bench, largest: LargestDeviation, *, speed: float = 0.0, offset: TimeOffset | None = None) -> Budget:
-    """Gives the budget in m of a path's largest deviation; speed m/s and clock offset only where deviations at the same time are judged."""
-    known = bench.last_oracle.accuracy
+    """Gives the budget in m of a path's largest deviation, its time on the oracle's clock.
+
+    speed m/s and clock offset only where deviations at the same time are judged. The oracle's term is its bound where the deviation is.
+    """
+    half = largest.window / 2
+    known = bench.last_oracle.accuracy_between(largest.time - half, largest.time + half)
     budget = position_budget(
         random=largest.random,
         registration=bench.calibration.position_uncertainty(_lever(bench)),
@@ -98,11 +102,12 @@ def budget_of_path(bench: Bench, largest: LargestDeviation, *, speed: float = 0.
     return budget.with_term("oracle", float(np.hypot(known.path, late)), "robot model, against the real arm")
 
 
-def budget_of_turn(bench: Bench, random: float) -> Budget:
-    """Gives the budget in rad of an orientation, `random` rad being its own noise."""
-    return Budget(
+def budget_of_turn(bench: Bench, random: float, oracle: float = 0.0) -> Budget:
+    """Gives the budget in rad of an orientation, `random` rad being its own noise, `oracle` rad the oracle's bound."""
+    budget = Budget(
         (Term("random", random, "noise of the recording"), Term("registration", bench.calibration.rotation_uncertainty(), "calibration"))
     )
+    return budget.with_term("oracle", oracle, "robot model, against the real arm") if oracle > 0.0 else budget
 
 
 def budget_of_speed(bench: Bench, *, random: float, speed: float) -> Budget:

@@ -34,12 +34,14 @@ def check_position(bench: Bench, check: Check, name: str, path: PosePath, deviat
 def check_turn(bench: Bench, check: Check, name: str, path: PosePath, turn: FloatArray) -> Outcome:
     """Judges the largest window mean of rotation vectors (N, 3) in rad by TURN_LIMIT."""
     largest = largest_deviation(path.time, turn)
+    half = largest.window / 2
+    known = bench.last_oracle.accuracy_between(largest.time - half, largest.time + half)
     return check(
         name,
         value=float(np.degrees(largest.value)),
         limit=float(np.degrees(TURN_LIMIT)),
         unit="deg",
-        budget=budget_of_turn(bench, largest.random),
+        budget=budget_of_turn(bench, largest.random, known.turn),
         over_time=(path.time, np.degrees(np.linalg.norm(turn, axis=1))),
     )
 

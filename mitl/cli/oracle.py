@@ -59,6 +59,7 @@ _SUFFIXES = (".csv", ".mcap")
     is_flag=True,
     help="Leave out instructions that can change neither motion nor data and are not carried out, with a warning.",
 )
+@click.option("--bounds", is_flag=True, help="Add columns to the CSV: how far the real arm may be from each sample (MCAP always has it).")
 @click.option("--output", type=click.Path(path_type=Path, dir_okay=False), metavar="OUT.mcap|.csv", help="Write the path here.")
 def oracle_command(
     sources: tuple[Path, ...],
@@ -73,6 +74,7 @@ def oracle_command(
     view: str,
     max_time: float | None,
     lenient: bool,
+    bounds: bool,
     output: Path | None,
 ) -> None:
     """Run a RAPID program without a rig and write the path of its tool.
@@ -82,7 +84,8 @@ def oracle_command(
 
     \b
     CSV columns: t_s, x_mm, y_mm, z_mm, qw, qx, qy, qz, speed_mm_s, j1_deg .. j6_deg, move, module, line,
-    then one column per output signal that was set.
+    then one column per output signal that was set; with --bounds, bound_mm, bound_deg and bound_ms: the standard uncertainty of the
+    sample's position, orientation and time against the real arm, from what the robot's model is known to be worth.
     """  # noqa: D301 - click wants the character \b before a block that it must not wrap
     from mitl.cli.progress import Progress  # noqa: PLC0415 - see above
     from mitl.errors import MotionError, UsageError  # noqa: PLC0415 - see above
@@ -105,7 +108,7 @@ def oracle_command(
             run, samples = _computed(program, routine, assignments, changes, answers, cell, model, rate, frame, view, max_time, progress)
             if output is not None:
                 names = " ".join(source.name for source in sources)
-                _write(output, run, samples, {"robot": model.name, "routine": routine, "view": view, "frame": frame, "sources": names})
+                _write(output, run, samples, {"robot": model.name, "routine": routine, "view": view, "frame": frame, "sources": names}, bounds=bounds)
     except (MotionError, RapidError, RapidErrors):
         if output is not None:
             output.unlink(missing_ok=True)
@@ -228,25 +231,30 @@ def _signal_values(run: ProgramRun, samples: Samples) -> dict[str, FloatArray]:
     return values
 
 
-def _write(output: Path, run: ProgramRun, samples: Samples, metadata: dict[str, str]) -> None:
-    """Writes the samples as CSV or MCAP, by the file's ending."""
+def _write(output: Path, run: ProgramRun, samples: Samples, metadata: dict[str, str], *, bounds: bool) -> None:
+    """Writes the samples as CSV or MCAP, by the file's ending; bounds: into the CSV too."""
     import numpy as np  # noqa: PLC0415 - see above
 
     from mitl import __version__  # noqa: PLC0415 - see above
+    from mitl.motion.accuracy import load_accuracy  # noqa: PLC0415 - see above
+    from mitl.motion.bounds import bounds_at  # noqa: PLC0415 - see above
     from mitl.recording import OracleTable, PoseTrack, Recording, Series, write_csv, write_recording  # noqa: PLC0415 - see above
-    from mitl.recording.records import JOINTS, MOVES, ORACLE, SIGNALS  # noqa: PLC0415 - see above
+    from mitl.recording.records import BOUND_COLUMNS, BOUNDS, JOINTS, MOVES, ORACLE, SIGNALS  # noqa: PLC0415 - see above
 
     lines = [executed.move.effect.at for executed in run.record.moves]
     line = np.array([at.line for at in lines] or [0], dtype=np.int64)[samples.move]
     signals = _signal_values(run, samples)
+    known = bounds_at(run.record, run.planner.arm, load_accuracy(run.record.model.folder), samples.path.time)
     if output.suffix.lower() == ".csv":
         module = tuple(lines[index].module if lines else "" for index in samples.move)
-        write_csv(output, OracleTable(samples.path, samples.speed, samples.joints, samples.move, module, line, signals))
+        extra = {"bound_mm": 1e3 * known.path, "bound_deg": np.degrees(known.turn), "bound_ms": 1e3 * known.time} if bounds else {}
+        write_csv(output, OracleTable(samples.path, samples.speed, samples.joints, samples.move, module, line, {**signals, **extra}))
         return
     time = samples.path.time
     series = {
         JOINTS: Series(time, samples.joints, tuple(f"j{axis}" for axis in range(1, 7))),
         MOVES: Series(time, np.stack([samples.move.astype(np.float64), line.astype(np.float64)], axis=1), ("move", "line")),
+        BOUNDS: Series(time, np.stack([known.path, known.turn, known.time], axis=1), BOUND_COLUMNS),
         "/tool/speed": Series(time, samples.speed[:, None], ("speed",)),
     }
     if signals:

@@ -10,7 +10,7 @@ import numpy as np
 
 from mitl.calibration.pose_set import CalibrationPoses
 from mitl.calibration.result import Calibration
-from mitl.engine.case_recording import RecordedRun, moves_of, signals_of
+from mitl.engine.case_recording import RecordedRun, bounds_of, moves_of, signals_of
 from mitl.engine.recorder import CaseRecorder
 from mitl.errors import RigError
 from mitl.feedback import FeedbackSamples
@@ -171,7 +171,8 @@ class Bench:
         shift = float(raw.time[0]) + began - started if len(raw) else 0.0
         since = began - (self._recorder.began or 0.0)
         expected = (moves_of(oracle), signals_of(oracle))
-        self._recorder.runs.append(RecordedRun(label, raw, tool, oracle.tcp, shift, *expected, since, oracle.tool, oracle.wobj))
+        known = bounds_of(oracle)
+        self._recorder.runs.append(RecordedRun(label, raw, tool, oracle.tcp, shift, *expected, since, oracle.tool, oracle.wobj, known))
         if tool is None or not len(tool):
             raise RigError(f"the tracker gave no valid pose during {label} ({len(raw)} samples): is it in view and awake?")
         samples = self.tracker.samples() if isinstance(self.tracker, DetailedTracker) else TrackerSamples.plain(raw)

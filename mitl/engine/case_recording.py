@@ -2,7 +2,7 @@
 
 A tracked run NAME has /NAME/tracker/pose, /NAME/tool/measured and /NAME/tool/oracle; a case with a single run has them without /NAME, so
 that other tools find them. The oracle's times are shifted to where the order was given; metadata `oracle shift NAME` says by how much.
-Likewise /NAME/rapid/move and /NAME/signals are what the oracle expects; metadata `order given NAME` is the time in s since the case began,
+Likewise /NAME/rapid/move and /NAME/signals are what the oracle expects, /NAME/tool/oracle/bound how well it knows the real arm; metadata `order given NAME` is the time in s since the case began,
 `tool NAME` is X_FT and `work object NAME` is X_BO.
 """
 
@@ -19,7 +19,7 @@ import numpy as np
 from mitl.paths import FloatArray, PosePath
 from mitl.protocols import Oracle
 from mitl.recording.mcap_writer import write_recording
-from mitl.recording.records import MEASURED, MOVES, ORACLE, SIGNALS, TRACKER, LogMessage, PoseTrack, Recording, Series
+from mitl.recording.records import BOUND_COLUMNS, BOUNDS, MEASURED, MOVES, ORACLE, SIGNALS, TRACKER, LogMessage, PoseTrack, Recording, Series
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,6 +28,7 @@ class RecordedRun:
 
     shift: what was added in s to the oracle's times. moves: columns move, line; signals: a column an output; both as the oracle expects
     them, on its clock. began: s since the case began at which the order was given. X_FT, X_BO: (7,) tool and work object.
+    bounds: how well the oracle knows the real arm, `recording.records.BOUND_COLUMNS`, on its clock.
     """
 
     name: str
@@ -40,6 +41,7 @@ class RecordedRun:
     began: float | None = None
     X_FT: FloatArray | None = None
     X_BO: FloatArray | None = None
+    bounds: Series | None = None
 
 
 def moves_of(oracle: Oracle) -> Series | None:
@@ -51,6 +53,14 @@ def moves_of(oracle: Oracle) -> Series | None:
         return None
     time = sorted(begins)
     return Series(np.array(time), np.array([begins[at] for at in time]), ("move", "line"))
+
+
+def bounds_of(oracle: Oracle) -> Series | None:
+    """Gives how well the oracle knows the real arm at each of its samples; None where it says nothing of samples."""
+    known = oracle.bounds
+    if known is None:
+        return None
+    return Series(oracle.tcp.time, np.stack([known.path, known.turn, known.time], axis=1), BOUND_COLUMNS)
 
 
 def signals_of(oracle: Oracle) -> Series | None:
@@ -87,7 +97,7 @@ def recording_of(
         if run.oracle is not None:
             tracks[prefix + ORACLE] = PoseTrack(run.oracle.shifted(run.shift), "wobj", "tool")
             facts[f"oracle shift {slug(run.name)}"] = repr(run.shift)
-        for topic, expected in ((MOVES, run.moves), (SIGNALS, run.signals)):
+        for topic, expected in ((MOVES, run.moves), (SIGNALS, run.signals), (BOUNDS, run.bounds)):
             if expected is not None and run.shift >= 0.0:
                 rows[prefix + topic] = replace(expected, time=expected.time + run.shift)
         known = {
@@ -121,6 +131,7 @@ def _run(recording: Recording, prefix: str) -> RecordedRun:
         _number(_fact(recording, "order given", name)),
         _pose(_fact(recording, "tool", name)),
         _pose(_fact(recording, "work object", name)),
+        recording.series.get(prefix + BOUNDS),
     )
 
 

@@ -14,14 +14,15 @@ from scipy.spatial.transform import RigidTransform
 
 import rapid_interp
 from mitl.errors import MitlError
-from mitl.motion.accuracy import load_accuracy
+from mitl.motion.accuracy import ModelAccuracy, load_accuracy
+from mitl.motion.bounds import bounds_at
 from mitl.motion.conveyor import Conveyor
 from mitl.motion.offline import fixed_tool_path, programmed_moves, run_until, start_run
 from mitl.motion.program_run import ProgramRun
 from mitl.motion.robot_model import RobotModel
 from mitl.paths import FloatArray
 from mitl.poses import pose_of
-from mitl.protocols import Oracle, OracleAccuracy
+from mitl.protocols import Oracle
 from rapid_interp import effects
 
 RATE = 250.0
@@ -69,7 +70,7 @@ def _bring_to_rest(run: ProgramRun) -> float:
     return run.next_event()
 
 
-def _cut(run: ProgramRun, begins: float, accuracy: OracleAccuracy) -> Oracle:
+def _cut(run: ProgramRun, begins: float, accuracy: ModelAccuracy) -> Oracle:
     """Gives the oracle of what a run did from `begins` s on.
 
     Tool and work object are those of its first move with a work object, or of the first one whose work object a conveyor carries.
@@ -86,7 +87,8 @@ def _cut(run: ProgramRun, begins: float, accuracy: OracleAccuracy) -> Oracle:
         wobj=pose_of(X_BO),
         moves=programmed_moves(run, moves, begins),
         signals={name: _changes(changes, begins) for name, changes in run.signals.items()},
-        accuracy=accuracy,
+        accuracy=accuracy.overall,
+        bounds=bounds_at(run.record, run.planner.arm, accuracy, times),
     )
 
 

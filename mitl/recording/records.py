@@ -11,6 +11,8 @@ from mitl.paths import FloatArray, PosePath
 TRACKER = "/tracker/pose"  # X_LM as tracked
 MEASURED = "/tool/measured"  # X_OT as tracked and calibrated
 ORACLE = "/tool/oracle"  # X_OT as it should be
+BOUNDS = "/tool/oracle/bound"  # columns position, orientation, time (m, rad, s): standard uncertainty of the oracle against the real arm
+BOUND_COLUMNS = ("position", "orientation", "time")
 JOINTS = "/robot/joints"
 EGM = "/robot/egm"  # what the controller streams of itself, on the tracker's clock
 EGM_FLANGE = "/robot/egm/flange"

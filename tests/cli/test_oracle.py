@@ -163,6 +163,17 @@ def test_an_mcap_holds_the_same_path(program):
     assert recording.paths["/tool/oracle"].path.position == pytest.approx(position, abs=1e-9)
     assert recording.series["/robot/joints"].values == pytest.approx(joints, abs=1e-9)
     assert recording.metadata["robot"] == "irb140"
+    bound = recording.series["/tool/oracle/bound"]
+    assert bound.columns == ("position", "orientation", "time") and len(bound.time) == len(position)
+    assert 0.2e-3 == bound.values[:, 0].min() < bound.values[:, 0].max() < 1e-3  # slow lines, faster joint moves
+
+
+def test_bounds_come_as_last_columns_of_the_csv_where_asked_for(program):
+    before, _, _ = oracle(program)
+    columns, _, _ = oracle(program, "--bounds")
+    assert list(columns)[: len(before)] == list(before)
+    assert list(columns)[len(before) :] == ["bound_mm", "bound_deg", "bound_ms"]
+    assert min(columns["bound_mm"]) == pytest.approx(0.2)
 
 
 def test_max_time_cuts_an_endless_program_off(tmp_path, monkeypatch, capsys):
