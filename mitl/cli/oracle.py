@@ -108,7 +108,13 @@ def oracle_command(
             run, samples = _computed(program, routine, assignments, changes, answers, cell, model, rate, frame, view, max_time, progress)
             if output is not None:
                 names = " ".join(source.name for source in sources)
-                _write(output, run, samples, {"robot": model.name, "routine": routine, "view": view, "frame": frame, "sources": names}, bounds=bounds)
+                _write(
+                    output,
+                    run,
+                    samples,
+                    {"robot": model.name, "routine": routine, "view": view, "frame": frame, "sources": names},
+                    bounds=bounds,
+                )
     except (MotionError, RapidError, RapidErrors):
         if output is not None:
             output.unlink(missing_ok=True)

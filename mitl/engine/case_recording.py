@@ -2,7 +2,8 @@
 
 A tracked run NAME has /NAME/tracker/pose, /NAME/tool/measured and /NAME/tool/oracle; a case with a single run has them without /NAME, so
 that other tools find them. The oracle's times are shifted to where the order was given; metadata `oracle shift NAME` says by how much.
-Likewise /NAME/rapid/move and /NAME/signals are what the oracle expects, /NAME/tool/oracle/bound how well it knows the real arm; metadata `order given NAME` is the time in s since the case began,
+Likewise /NAME/rapid/move and /NAME/signals are what the oracle expects, /NAME/tool/oracle/bound how
+well it knows the real arm; metadata `order given NAME` is the time in s since the case began,
 `tool NAME` is X_FT and `work object NAME` is X_BO.
 """
 
@@ -19,7 +20,19 @@ import numpy as np
 from mitl.paths import FloatArray, PosePath
 from mitl.protocols import Oracle
 from mitl.recording.mcap_writer import write_recording
-from mitl.recording.records import BOUND_COLUMNS, BOUNDS, MEASURED, MOVES, ORACLE, SIGNALS, TRACKER, LogMessage, PoseTrack, Recording, Series
+from mitl.recording.records import (
+    BOUND_COLUMNS,
+    BOUNDS,
+    MEASURED,
+    MOVES,
+    ORACLE,
+    SIGNALS,
+    TRACKER,
+    LogMessage,
+    PoseTrack,
+    Recording,
+    Series,
+)
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,7 +19,7 @@ from mitl.protocols import OracleBounds
 from rapid_interp import effects
 
 AROUND = 0.2
-"""Seconds before and after a sample whose speeds count for it: some two of the widest filters of an arm (facts/motion.md). ASSUMPTION A-270."""
+"""Seconds before and after a sample whose speeds count for it, some two of the widest filters of an arm. ASSUMPTION A-270."""
 _STANDS = 1e-7
 """Way in rad of a joint from tick to tick that still counts as standing."""
 

@@ -164,7 +164,8 @@ def test_an_mcap_holds_the_same_path(program):
     assert recording.series["/robot/joints"].values == pytest.approx(joints, abs=1e-9)
     assert recording.metadata["robot"] == "irb140"
     bound = recording.series["/tool/oracle/bound"]
-    assert bound.columns == ("position", "orientation", "time") and len(bound.time) == len(position)
+    assert bound.columns == ("position", "orientation", "time")
+    assert len(bound.time) == len(position)
     assert 0.2e-3 == bound.values[:, 0].min() < bound.values[:, 0].max() < 1e-3  # slow lines, faster joint moves
 
 
