@@ -36,6 +36,7 @@ COMMANDS = {
     "diff": "What changed from one run to another.",
     "gate": "Whether a run lets the build through.",
     "doctor": "Check a physical rig end to end; nothing moves.",
+    "rig": "Rehearse a run on a physical rig: everything but motion.",
     "serve": "Serve a virtual controller by Robot Web Services.",
 }
 

@@ -42,9 +42,10 @@ def doctor_command(context: click.Context, rig: Path, out: Path, seconds: float,
         click.echo(json.dumps([{"what": one.what, "state": one.state.value, "told": one.told} for one in findings], indent=2))
     else:
         for finding in findings:
-            click.echo(_line(finding))
+            click.echo(line_of(finding))
     context.exit(4 if any(finding.state.value == "bad" for finding in findings) else 0)
 
 
-def _line(finding: Finding) -> str:
+def line_of(finding: Finding) -> str:
+    """Gives a finding as a line of text."""
     return f"{finding.state.value:5}{finding.what:22}{finding.told}"

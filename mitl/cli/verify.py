@@ -112,8 +112,8 @@ def verify_command(
     if only_list:
         click.echo(verify_output.listed(found_cases(tests, options), form))
         return
-    observer = _Observer(progress=sys.stderr.isatty(), arm=arm)
-    _run_pytest(tests, [*options, f"--mitl-out={out}"], observer, done=resume and (out / FILE_NAME).is_file())
+    observer = Observer(progress=sys.stderr.isatty(), arm=arm)
+    run_pytest(tests, [*options, f"--mitl-out={out}"], observer, done=resume and (out / FILE_NAME).is_file())
     run = observer.run or read_run(out)
     if observer.unwritten:
         click.echo(f"mitl: warning: {observer.unwritten}", err=True)
@@ -127,8 +127,8 @@ def verify_command(
 
 def found_cases(tests: Path | None = None, options: Sequence[str] = ("--mitl-long",)) -> list[CaseInfo]:
     """Gives the cases in a folder, or mitl's own, as the plug-in's options choose them."""
-    observer = _Observer(progress=False)
-    _run_pytest(tests, [*options, "--collect-only"], observer)
+    observer = Observer(progress=False)
+    run_pytest(tests, [*options, "--collect-only"], observer)
     return observer.found
 
 
@@ -137,7 +137,7 @@ def exit_code(run: RunRecord) -> int:
     return {"pass": 0, "skipped": 0, "fail": 1, "inconclusive": 3, "error": 4}[run.outcome.value]
 
 
-class _Observer:
+class Observer:
     """Pytest plug-in of one run: remembers what was collected and shows progress on standard error."""
 
     def __init__(self, *, progress: bool, arm: bool = False) -> None:
@@ -210,7 +210,7 @@ def _progress_bar() -> Progress:
     )
 
 
-def _run_pytest(tests: Path | None, options: list[str], observer: _Observer, *, done: bool = False) -> None:
+def run_pytest(tests: Path | None, options: list[str], observer: Observer, *, done: bool = False) -> None:
     """Runs the cases in the folder `tests`, or else mitl's own, in this process. done: whether it may be that none is left to run.
 
     Raises UsageError where options are wrong or there is nothing to run, MitlError where cases cannot be read or pytest breaks down.
