@@ -1,11 +1,29 @@
-"""The options of the pytest plug-in, --mitl-...
+"""The options of the pytest plug-in, --mitl-..., and the hooks that it offers.
 
 It is loaded in every pytest run of whoever has mitl installed: it imports nothing but pytest.
 """
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import pytest
+
+if TYPE_CHECKING:
+    from mitl.engine.record import RunRecord
+    from mitl.protocols import Rig
+
+
+class HookSpecifications:
+    """The hook that this plug-in offers to a conftest.py."""
+
+    @pytest.hookspec(firstresult=True)
+    def pytest_mitl_load_rig(self, config: pytest.Config, name: str, seed: int, faults: tuple[str, ...]) -> Rig | None:
+        """Gives the rig called `name`, or None if it is not known here: for a rig of one's own that no rig.toml describes."""
+
+    @pytest.hookspec
+    def pytest_mitl_run_finished(self, run: RunRecord, unwritten: str) -> None:
+        """Tells the run's record when all has ended; unwritten: why the folder does not hold it as it is, or ""."""
 
 
 def add_options(parser: pytest.Parser) -> None:

@@ -13,14 +13,13 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from mitl.pytest_options import add_options
+from mitl.pytest_options import HookSpecifications, add_options
 
 if TYPE_CHECKING:
     from mitl.engine.bench import Bench
     from mitl.engine.calibration_session import SessionCalibration
     from mitl.engine.case import CaseInfo
     from mitl.engine.check import Check
-    from mitl.engine.record import RunRecord
     from mitl.engine.recorder import CaseRecorder
     from mitl.engine.run import RunKeeper
     from mitl.protocols import Rig
@@ -29,28 +28,13 @@ _MARK = "mitl_case"
 _RECORDER: pytest.StashKey[CaseRecorder] = pytest.StashKey()
 _KEEPER: pytest.StashKey[RunKeeper] = pytest.StashKey()
 _CURRENT: pytest.StashKey[CaseRecorder] = pytest.StashKey()
-_CALIBRATION: pytest.StashKey[tuple[int, SessionCalibration]] = pytest.StashKey()
+_CALIBRATION: pytest.StashKey[tuple[int, SessionCalibration] | None] = pytest.StashKey()
 _RIG: pytest.StashKey[Rig | Exception] = pytest.StashKey()
-
-
-class HookSpecifications:
-    """The hook that this plug-in offers to a conftest.py."""
-
-    @pytest.hookspec(firstresult=True)
-    def pytest_mitl_load_rig(self, config: pytest.Config, name: str, seed: int, faults: tuple[str, ...]) -> Rig | None:
-        """Gives the rig called `name`, or None if it is not known here: for a rig of one's own that no rig.toml describes."""
-
-    @pytest.hookspec
-    def pytest_mitl_run_finished(self, run: RunRecord, unwritten: str) -> None:
-        """Tells the run's record when all has ended; unwritten: why the folder does not hold it as it is, or ""."""
 
 
 def pytest_addhooks(pluginmanager: pytest.PytestPluginManager) -> None:
     """Offers the hook."""
     pluginmanager.add_hookspecs(HookSpecifications)
-
-
-# --- options -----------------------------------------------------------------------------------------------------------------------
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -140,8 +124,7 @@ def mitl_rig(pytestconfig: pytest.Config) -> Iterator[Rig]:
 @pytest.fixture
 def mitl_calibration(mitl_rig: Rig, pytestconfig: pytest.Config) -> SessionCalibration:
     """The calibration of this session; the first case that needs it drives the procedure, and the next after the frame has moved again."""
-    frame = mitl_rig.frame()
-    known = pytestconfig.stash.get(_CALIBRATION, None)
+    known, frame = pytestconfig.stash.get(_CALIBRATION, None), mitl_rig.frame()
     if known is not None and known[0] == frame:
         return known[1]
     from mitl.engine.calibration_session import calibrate_rig, calibration_program  # noqa: PLC0415
@@ -178,19 +161,17 @@ def bench(request: pytest.FixtureRequest, rig: Rig, mitl_calibration: SessionCal
     recorder = _recorder(request.node)
     tell_age(session.calibration, recorder)
     watch = frame_watch(rig, session, calibration_program(rig, request.config.getoption("mitl_calibration")))
-    stash = request.config.stash
     try:
         before = refuse_if_moved(watch)
     except MitlError:
-        if _CALIBRATION in stash:
-            del stash[_CALIBRATION]
+        request.config.stash[_CALIBRATION] = None
         raise
     recorder.closing.append(lambda: void_if_moved(watch, before, recorder))
     made = Bench(rig, session.calibration, session.poses, recorder, calibrated_at=session.measured_at)
     yield made
     made.close()
-    if recorder.voided and _CALIBRATION in stash:
-        del stash[_CALIBRATION]  # what moved the frame may have moved it for good: the next case calibrates
+    if recorder.voided:
+        request.config.stash[_CALIBRATION] = None  # what moved the frame may have moved it for good: the next case calibrates
 
 
 @pytest.fixture

@@ -29,7 +29,7 @@ from mitl.rig.shadow import ORDER, Shadow
 
 
 def dry_run(config: PhysicalConfig, told: Sequence[Told], out: Path, seconds: float) -> list[Finding]:
-    """Gives the doctor's findings, then for each program how it went onto the controller and how its orders flew. told: what a run would."""
+    """Gives the doctor's findings, then of each program how it loaded and how its orders flew. told: what a run would."""
     findings = examine(config, out, seconds)
     if findings[0].state is State.BAD:
         return findings  # there is no controller to go on with

@@ -49,6 +49,7 @@ def test_a_nominal_robot_passes_and_the_recording_holds_the_run(cases):
         "junit.xml",
         "report.html",
         "replay.html",
+        "summary.txt",
         "line_straight.mcap",
         "calibration.toml",
         "calibration.mcap",
