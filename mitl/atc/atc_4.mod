@@ -9,7 +9,7 @@ MODULE ATC_4
   CONST robtarget pEven := [[-35.355,-35.355,160],[0.173648178,0.000000000,0.984807753,0.000000000],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
   ! the same work object, turned about the robot by `place` deg
   VAR num place := 0;
-  VAR wobjdata wPlaced := [FALSE,TRUE,"",[[500,0,400],[0.923879533,0,0,0.382683432]],[[0,0,0],[1,0,0,0]]];
+  PERS wobjdata wPlaced := [FALSE,TRUE,"",[[500,0,400],[0.923879533,0,0,0.382683432]],[[0,0,0],[1,0,0,0]]];
   ! share of a way that each of x and y has on a line across the robot, 45 deg to both
   CONST num diagonal := 0.707106781;
   VAR num option := 0;

@@ -65,6 +65,8 @@ class LateCall:
 
 _MISFITS = {"PERS": ("VAR", "parameter", "loop"), "VAR": ("PERS",)}
 """Which data cannot be given for a parameter of a mode."""
+_PERSISTENT_TYPES = frozenset({"tooldata", "wobjdata", "loaddata"})
+"""Types whose arguments instructions take as PERS. Constants are let pass: programs made offline hold them."""
 _OF_MOTION = ("move", "trigg", "search", "sync", "arc", "spot", "paint", "disp", "ind", "egm")
 _MOTION_TYPES = frozenset({"robtarget", "jointtarget", "speeddata", "zonedata", "tooldata", "wobjdata", "pose"})
 
@@ -338,6 +340,9 @@ class CallCompiler(ExpressionCompiler):
             refer, target_type = self._reference(parameter, target, argument), target.type
             return refer if not (parameter.type is ANYDATA or parameter.type is NUMERICDATA) else lambda f: (target_type, refer(f))
         operand = self.value(argument.value, parameter.type)
+        if operand.storage in _MISFITS["PERS"] and operand.type.name in _PERSISTENT_TYPES:
+            # ASSUMPTION A-243
+            self.warn("RAPID-W209", f"a controller takes only PERS data for {parameter.name}", argument.start)
         if parameter.type is ANYTYPE:
             kind, run = operand.type, operand.run
             return lambda f: (kind, run(f))

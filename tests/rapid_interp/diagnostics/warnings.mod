@@ -1,6 +1,8 @@
 MODULE warnings
   VAR intnum alarm;
   VAR socketdev link;
+  VAR tooldata changing := [TRUE,[[0,0,100],[1,0,0,0]],[1,[0,0,1],[1,0,0,0],0,0,0]];
+  VAR wobjdata here;
 
   PROC main()
     VAR robtarget p;
@@ -20,6 +22,8 @@ MODULE warnings
     IF ERRNO = ERR_WAIT_MAXTIME n := 1;
     IF diStart = 1 AND start_button = 1 n := 1;
     WaitDI start_button, 1;
+    MoveL p, v10, fine, changing; ! ### "warning: a controller takes only PERS data for Tool [RAPID-W209]"
+    MoveL p, v10, fine, tool0 \WObj:=here; ! ### "takes only PERS data for WObj"
     SpyStart "log"; ! ### "warning: read but not executed: SpyStart"
     RAISE 5;
     RAISE; ! ### "nothing comes here" ### "RAISE without an error number belongs into an error handler"
