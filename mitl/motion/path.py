@@ -24,7 +24,7 @@ _NODES = 33
 _SHORTEST_PIECE = 1e-7
 _WAY_STEPS = 2000
 """Chords by which the TCP's way on a joint leg is measured; a metre of it bent by a radian is then right to .01 um."""
-_STEP = 2e-3
+_STEP = 2e-4
 """Share of a zone's radius over which a leg's tangent and bend in joint space are taken."""
 
 
