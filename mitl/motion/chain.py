@@ -126,13 +126,16 @@ class Planner:
 
     def _refuse_singular(self, moves: Sequence[PlannedMove], grid: Grid, limits: Limits) -> None:
         cap = np.sqrt(np.minimum(limits.ceiling[:-1], limits.ceiling[1:]))
-        for index, move in enumerate(moves):
+        begins = np.flatnonzero(np.diff(grid.leg, prepend=-1))
+        suspect = np.minimum.reduceat(cap, begins) < _SLOWEST_SHARE * np.maximum.reduceat(cap, begins)
+        for index in grid.leg[begins[suspect]]:
             here = np.flatnonzero(grid.leg == index)
-            if len(here) and np.median(cap[here]) * _SLOWEST_SHARE > cap[here].min() and grid.zone[here[int(np.argmin(cap[here]))]] < 0:
-                slowest = here[int(np.argmin(cap[here]))]
+            slowest = here[int(np.argmin(cap[here]))]
+            if np.median(cap[here]) * _SLOWEST_SHARE > cap[slowest] and grid.zone[slowest] < 0:
                 axis = int(np.argmax(np.abs(grid.rate[slowest]).max(axis=0) / self.model.speed))
                 near, axis_5 = place(grid.sample.position[slowest]), np.degrees(grid.sample.joints[slowest][4])
-                raise refusal(move.effect, f"singularity: axis {axis + 1} cannot follow near {near} (axis 5 at {axis_5:.2f} deg)")
+                effect = moves[int(index)].effect
+                raise refusal(effect, f"singularity: axis {axis + 1} cannot follow near {near} (axis 5 at {axis_5:.2f} deg)")
 
 
 def _kinks(grid: Grid) -> IndexArray:

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from mitl.errors import MitlError
-from mitl.motion.orientation import HeldWrist, Turn
+from mitl.motion.orientation import EvenTurn, HeldWrist, Turn
 from mitl.paths import FloatArray
 
 TURNING_RADIUS = 0.1
@@ -153,6 +153,12 @@ class CartesianLeg:
         """Gives tool rotations at coordinates (N,); not to be asked where the wrist's axes decide (`held_wrist`)."""
         assert not isinstance(self.turn, HeldWrist)  # noqa: S101 - the arm has to be asked, see above
         return self.turn.rotation(self.share(x))
+
+    def matrices(self, x: FloatArray) -> FloatArray:
+        """Gives `rotation` as matrices (N, 3, 3)."""
+        if isinstance(self.turn, EvenTurn) and self.turn.turning == 0:
+            return np.broadcast_to(self.turn.R_start.as_matrix(), (len(x), 3, 3))
+        return self.rotation(x).as_matrix()
 
     @property
     def held_wrist(self) -> HeldWrist | None:

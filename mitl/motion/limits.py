@@ -15,10 +15,10 @@ from mitl.motion.bends import bend_caps, limited
 from mitl.motion.dynamics import Dynamics
 from mitl.motion.effort import Efforts
 from mitl.motion.grid import STATIONS, Grid
-from mitl.motion.legs import CartesianLeg, JointLeg
+from mitl.motion.legs import JointLeg, Leg
 from mitl.motion.path import Path
 from mitl.motion.robot_model import RobotModel
-from mitl.paths import BoolArray, FloatArray, IndexArray
+from mitl.paths import FloatArray, IndexArray
 
 CONTROLLER_TICK = 4.032e-3
 """A zone lasts at least this long, in s (`facts/planner.md`, item 2)."""
@@ -142,14 +142,9 @@ def limits_of(
 ) -> Limits:
     """Gives the limits of a path whose legs have programmed speeds, scaled by `speed_ratio`, and dynamics."""
     count = len(grid)
-    programmed, share, rise, fall = np.empty(count), np.empty(count), np.empty(count), np.empty(count)
-    for index, (leg, speed, how) in enumerate(zip(path.legs, speeds, dynamics, strict=True)):
-        here = grid.leg == index
-        if leg.length == 0:
-            continue  # no interval is in it
-        programmed[here] = speed_ratio * _programmed(grid, here, leg, speed)
-        share[here] = how.acceleration
-        rise[here], fall[here] = how.path_acceleration, how.path_deceleration
+    programmed = speed_ratio * _programmed(path, grid, speeds)
+    of_leg = np.array([(how.acceleration, how.path_acceleration, how.path_deceleration) for how in dynamics])
+    share, rise, fall = of_leg[grid.leg].T
     with np.errstate(divide="ignore"):
         by_joints = _MARGIN * np.min(model.speed / np.abs(grid.rate), axis=(1, 2))
     x = np.minimum.reduce([programmed, by_joints, _tick_cap(path, grid)]) ** 2
@@ -168,21 +163,35 @@ def limits_of(
     return Limits(grid, model, ceiling, effort, share, rise / stretch, fall / stretch, bend)
 
 
-def _programmed(grid: Grid, here: BoolArray, leg: JointLeg | CartesianLeg, speed: LegSpeed) -> FloatArray:
-    """Gives the programmed speed in m of path coordinate a second for the leg's intervals."""
-    stretch = grid.stretch[here].max(axis=1)
+def _programmed(path: Path, grid: Grid, speeds: Sequence[LegSpeed]) -> FloatArray:
+    """Gives the programmed speeds (N,) in m of path coordinate a second."""
+    stretch = np.maximum(grid.stretch.max(axis=1), _NO_LEVER)
+    of_leg = [_evenly(leg, speed) for leg, speed in zip(path.legs, speeds, strict=True)]
+    even, tcp, most_stretch = np.array(of_leg)[grid.leg].T
+    # Only a blend in joint space can make the TCP faster than its leg's coordinate.
+    quicker = (grid.zone >= 0) & (stretch > (1 + _EVEN) * most_stretch)
+    found = np.where(quicker, np.minimum(even, tcp / stretch), even)
+    for index, (leg, speed) in enumerate(zip(path.legs, speeds, strict=True)):
+        if (
+            isinstance(leg, JointLeg) and leg.length > 0 and speed.duration is None
+        ):  # its fastest place decides, so that the joints run evenly
+            here = grid.leg == index
+            by_tcp = speed.tcp / np.maximum(leg.fastest / leg.length, stretch[here])
+            turning = np.maximum(leg.quickest / leg.length, np.maximum(grid.turning[here], _NO_LEVER))
+            found[here] = np.minimum(by_tcp, speed.turning / turning)
+    return np.asarray(found)
+
+
+def _evenly(leg: Leg, speed: LegSpeed) -> tuple[float, float, float]:
+    """Gives a leg's even speed in m of its coordinate a second, the TCP's, and m of TCP per m of coordinate; inf where nothing limits."""
+    if leg.length == 0:
+        return np.inf, np.inf, np.inf
     if speed.duration is not None:
-        return np.full(len(stretch), leg.length / speed.duration)
-    if isinstance(leg, JointLeg):  # its fastest place decides, so that the joints run evenly
-        fastest, quickest = leg.fastest / leg.length, leg.quickest / leg.length
-        tcp = speed.tcp / np.maximum(fastest, np.maximum(stretch, _NO_LEVER))
-        return np.asarray(np.minimum(tcp, speed.turning / np.maximum(quickest, np.maximum(grid.turning[here], _NO_LEVER))))
+        return leg.length / speed.duration, np.inf, np.inf
     even = speed.tcp * leg.length / leg.travel if leg.travel > 0 else np.inf
     if leg.turning > 0:
         even = min(even, speed.turning * leg.length / leg.turning)
-    # Only a blend in joint space can make the TCP faster than its leg's coordinate.
-    quicker = (grid.zone[here] >= 0) & (stretch > (1 + _EVEN) * leg.travel / leg.length)
-    return np.where(quicker, np.minimum(even, speed.tcp / np.maximum(stretch, _NO_LEVER)), even)
+    return even, speed.tcp, leg.travel / leg.length
 
 
 def _held_through_zones(cap: FloatArray, zone: IndexArray) -> FloatArray:

@@ -29,6 +29,8 @@ from rapid_interp import data, effects
 _QUADRATURE = 64
 _AXIS_4_LOCKED = 0.5
 """How far in deg axis 4 may be from 0 or +-180 to count as locked there. ASSUMPTION A-155."""
+_MOST_KEPT = 256
+"""Orientations of targets that are kept."""
 _SHORTEST_MOVE = 5e-7
 """A move of less length in m is none: the arm stands, and the next move begins where it stands."""
 
@@ -73,7 +75,8 @@ class MovePlanner:
         self._law = orientation_law
         self._tools: dict[data.Pose, RigidTransform] = {}
         nowhere = RigidTransform.identity()
-        self._arrived = (np.empty(0), nowhere, nowhere)
+        self._arrived = (np.empty(0), nowhere, np.zeros(3), Rotation.identity())
+        self._frame, self._X_BD, self._turned = nowhere, np.eye(4), dict[data.Orient, Rotation]()
 
     def plan(self, effect: effects.Motion, q_start: FloatArray, settings: MoveSettings) -> PlannedMove:
         """Gives the leg of one instruction that begins at joints q_start (6,) rad. Raises MotionError where it cannot be moved as told."""
@@ -140,21 +143,19 @@ class MovePlanner:
         X_BD: RigidTransform,
         settings: MoveSettings,
     ) -> CartesianLeg:
-        X_BT_start = self._tip(q_start, X_FT)
-        X_BT_end = X_BD * bridge.target_frame(effect.target)
-        start, end = X_BT_start.translation, X_BT_end.translation
-        R_start, R_end = X_BT_start.rotation, X_BT_end.rotation
+        start, R_start = self._tip(q_start, X_FT)
+        end, R_end = self._placed(X_BD, effect.target)
         curve: Line | Arc
         turn: Turn
         match effect:
             case effects.MoveL():
                 curve, turn = line_through(start, end), even_turn(R_start, R_end, self._law)
             case effects.MoveC():
-                X_BT_via = X_BD * bridge.target_frame(effect.via)
-                curve = arc_through(start, X_BT_via.translation, end)
-                turn = self._arc_turn(effect, curve, (R_start, X_BT_via.rotation, R_end), settings)
+                via, R_via = self._placed(X_BD, effect.via)
+                curve = arc_through(start, via, end)
+                turn = self._arc_turn(effect, curve, (R_start, R_via, R_end), settings)
         if settings.singularity != "off":
-            turn = self._held_wrist(effect, q_start, X_BT_end * X_FT.inv(), settings)
+            turn = self._held_wrist(effect, q_start, RigidTransform.from_components(end, R_end) * X_FT.inv(), settings)
         leg = followed(self.arm, effect, CartesianLeg(curve, turn, X_FT, np.zeros(1), q_start[None]))
         if settings.linear and not self.arm.matches(leg.q_end, bridge.configuration_of(effect.target)):
             wanted = bridge.configuration_of(effect.target)
@@ -162,13 +163,29 @@ class MovePlanner:
                 effect, f"the move ends in configuration {self.arm.configuration(leg.q_end)}, programmed is {wanted} (or use ConfL \\Off)"
             )
         if leg.held_wrist is None:
-            self._arrived = (leg.q_end, X_FT, X_BT_end)
+            self._arrived = (leg.q_end, X_FT, end, R_end)
         return leg
 
-    def _tip(self, q: FloatArray, X_FT: RigidTransform) -> RigidTransform:
-        """Gives X_BT at joints (6,) rad; where the last leg ended there, as it was programmed."""
-        known, tool, X_BT = self._arrived
-        return X_BT if q is known and X_FT is tool else self.arm.flange(q) * X_FT
+    def _tip(self, q: FloatArray, X_FT: RigidTransform) -> tuple[FloatArray, Rotation]:
+        """Gives position and rotation of the tool's tip at joints (6,) rad; where the last leg ended there, as programmed."""
+        known, tool, position, rotation = self._arrived
+        if q is known and X_FT is tool:
+            return position, rotation
+        X_BT = self.arm.flange(q) * X_FT
+        return X_BT.translation, X_BT.rotation
+
+    def _placed(self, X_BD: RigidTransform, target: data.RobTarget) -> tuple[FloatArray, Rotation]:
+        """Gives position and rotation of a target in the base frame; many targets of a frame have one orientation."""
+        if X_BD is not self._frame:
+            self._frame, self._X_BD, self._turned = X_BD, X_BD.as_matrix(), {}
+        trans = target.trans
+        position = self._X_BD[:3, :3] @ (bridge.MM * np.array([trans.x, trans.y, trans.z])) + self._X_BD[:3, 3]
+        rotation = self._turned.get(target.rot)
+        if rotation is None:
+            if len(self._turned) >= _MOST_KEPT:
+                self._turned = {}
+            rotation = self._turned[target.rot] = X_BD.rotation * bridge.rotation_of(target.rot)
+        return position, rotation
 
     def _arc_turn(self, effect: effects.MoveC, arc: Arc, R: tuple[Rotation, Rotation, Rotation], settings: MoveSettings) -> Turn:
         """Gives how the tool turns along an arc through three orientations, by CirPathMode."""

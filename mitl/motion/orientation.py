@@ -110,6 +110,8 @@ Turn = EvenTurn | PathFrameTurn | TurnThrough | HeldWrist
 
 def even_turn(R_start: Rotation, R_end: Rotation, law: OrientationLaw) -> EvenTurn:
     """Gives the shortest even turn between two orientations."""
+    if R_start is R_end:
+        return EvenTurn(R_start, np.zeros(3), law)
     return EvenTurn(R_start, _vector(R_start.inv() * R_end), law)
 
 

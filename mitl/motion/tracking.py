@@ -74,8 +74,8 @@ def _by_wrist(arm: Arm, effect: effects.Motion, leg: CartesianLeg, wrist: HeldWr
 
 
 def _tracked(arm: Arm, effect: effects.Motion, leg: CartesianLeg, marks: FloatArray) -> CartesianLeg:
-    position, rotation = leg.position(marks[1:]), leg.rotation(marks[1:])
-    q = arm.joints_of_tip(position, rotation.as_matrix(), leg.X_FT, leg.q_start)
+    position = leg.position(marks[1:])
+    q = arm.joints_of_tip(position, leg.matrices(marks[1:]), leg.X_FT, leg.q_start)
     lost = np.isnan(q).any(axis=1)
     if lost.any():
         raise refusal(effect, f"out of reach at {place(position[int(np.argmax(lost))])}")
