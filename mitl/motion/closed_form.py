@@ -1,4 +1,4 @@
-"""ClosedForm: one solution of an arm's inverse kinematics for many poses at once, where a path stays well within one solution.
+"""ClosedForm: an arm's forward kinematics, and one solution of its inverse kinematics where a path stays well within it, for many poses.
 
 Brandstoetter, Angerer, Hofbaur, "An analytical solution of the inverse kinematics problem of industrial serial manipulators with an
 ortho-parallel basis and a spherical wrist" (2014). The library `py-opw-kinematics` computes all eight solutions of one pose after the
@@ -31,6 +31,23 @@ class ClosedForm:
         self._opw = opw
         self._forearm = float(np.hypot(opw.a2, opw.c3))
         self._elbow = float(np.arctan2(opw.a2, opw.c3))
+
+    def flange(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Gives the flange's positions (N, 3) in m and rotations (N, 3, 3) for joints (N, 6) in rad."""
+        opw = self._opw
+        q1, q2, q3, q4, q5, q6 = (q * opw.signs - opw.offsets).T
+        forearm = q2 + q3
+        (s1, s2, s23, s4, s5, s6), (c1, c2, c23, c4, c5, c6) = (turn(np.stack([q1, q2, forearm, q4, q5, q6])) for turn in (np.sin, np.cos))
+        out = opw.a1 + opw.c2 * s2 + opw.c3 * s23 + opw.a2 * c23
+        up = opw.c1 + opw.c2 * c2 + opw.c3 * c23 - opw.a2 * s23
+        zero = np.zeros_like(q1)
+        forearm_axes = np.stack([c23 * c1, -s1, s23 * c1, c23 * s1, c1, s23 * s1, -s23, zero, c23], axis=1).reshape(-1, 3, 3)
+        across = [c4 * c5 * c6 - s4 * s6, -c4 * c5 * s6 - s4 * c6, c4 * s5]
+        aside = [s4 * c5 * c6 + c4 * s6, c4 * c6 - s4 * c5 * s6, s4 * s5]
+        wrist = np.stack([*across, *aside, -s5 * c6, s5 * s6, c5], axis=1).reshape(-1, 3, 3)
+        R_BF = forearm_axes @ wrist
+        centre = np.stack([out * c1 - opw.b * s1, out * s1 + opw.b * c1, up], axis=1)
+        return centre + opw.c4 * R_BF[:, :, 2], R_BF
 
     def joints(self, position: FloatArray, R_BF: FloatArray, near: FloatArray, wrist: float) -> FloatArray | None:
         """Gives joints (N, 6) in rad of flange positions (N, 3) m and rotations (N, 3, 3), each within half a turn of the one before.

@@ -63,6 +63,10 @@ class Arm:
         between = self.model.between_links(q)
         return self._robot.forward(tuple(between)) if q.ndim == 1 else self._robot.batch_forward(between)
 
+    def flange_places(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Gives positions (N, 3) m and rotations (N, 3, 3) of the flange for joints (N, 6): `flange` without transform objects."""
+        return self._closed_form.flange(self.model.between_links(q))
+
     def joints(self, X_BF: RigidTransform, near: FloatArray) -> FloatArray:
         """Gives joints (N, 6) that follow N poses without a jump, beginning near `near` (6,); rows are NaN where out of reach."""
         return self.joints_of_flange(X_BF.translation, X_BF.rotation.as_matrix(), near)

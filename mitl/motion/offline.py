@@ -108,11 +108,11 @@ def sample(run: ProgramRun, times: FloatArray, view: View, frame: Frame) -> Samp
     else:
         position, rotation = _tcp(run, joints, move)
         speed = _speeds(run, times, view)
-    X_BT = RigidTransform.from_components(position, rotation)
     if frame is Frame.WORK_OBJECT and record.moves:
-        beside = RigidTransform.from_translation(-_object_ways(record.moves, move, times)) * X_BT
-        X_BT = RigidTransform.concatenate([executed.move.X_BO for executed in record.moves])[move].inv() * beside
-    return Samples(_path(times, X_BT), speed, joints, move)
+        beside = RigidTransform.from_components(position - _object_ways(record.moves, move, times), rotation)
+        X_OT = RigidTransform.concatenate([executed.move.X_BO for executed in record.moves])[move].inv() * beside
+        position, rotation = X_OT.translation, X_OT.rotation
+    return Samples(_path(times, position, rotation), speed, joints, move)
 
 
 def fixed_tool_path(
@@ -126,7 +126,8 @@ def fixed_tool_path(
     if following is not None:
         connection = following.connection
         X_BT = RigidTransform.from_translation(-connection.passed(times)[:, None] * connection.belt.conveyor.direction) * X_BT
-    return _path(times, X_BO.inv() * X_BT)
+    X_OT = X_BO.inv() * X_BT
+    return _path(times, X_OT.translation, X_OT.rotation)
 
 
 def _object_ways(moves: Sequence[ExecutedMove], move: IndexArray, times: FloatArray) -> FloatArray:
@@ -166,33 +167,39 @@ def _programmed(arm: Arm, executed: ExecutedMove, origin: float) -> ProgrammedMo
     )
 
 
-def _path(times: FloatArray, X: RigidTransform) -> PosePath:
-    pose = pose_of(X)
-    return PosePath(times, pose[:, :3], _continuous(pose[:, 3:]), np.ones(len(times), dtype=bool))
+def _path(times: FloatArray, position: FloatArray, rotation: Rotation) -> PosePath:
+    quaternion = rotation.as_quat(canonical=True, scalar_first=True)
+    return PosePath(times, position, _continuous(quaternion), np.ones(len(times), dtype=bool))
+
+
+def _tips(run: ProgramRun, joints: FloatArray, tool: IndexArray) -> tuple[FloatArray, FloatArray]:
+    """Gives positions (N, 3) m and rotations (N, 3, 3) in the base frame of the tools of moves (N,), for joints (N, 6)."""
+    position, R_BF = run.planner.arm.flange_places(joints)
+    if not run.record.moves:
+        return position, R_BF
+    used, of_place = np.unique(tool, return_inverse=True)
+    X_FT = np.stack([run.record.moves[index].move.leg.X_FT.as_matrix() for index in used])[of_place]
+    return position + np.einsum("nij,nj->ni", R_BF, X_FT[:, :3, 3]), R_BF @ X_FT[:, :3, :3]
 
 
 def _tcp(run: ProgramRun, joints: FloatArray, move: IndexArray) -> tuple[FloatArray, Rotation]:
     """Gives positions (N, 3) m and rotations of the active TCP in the base frame for joints (N, 6)."""
-    X_BF = run.planner.arm.flange(joints)
-    if not run.record.moves:
-        return X_BF.translation, X_BF.rotation
-    tools = [executed.move.leg.X_FT for executed in run.record.moves]
-    X_BT = X_BF * RigidTransform.concatenate(tools)[move]
-    return X_BT.translation, X_BT.rotation
+    tool_of = run.record.tool_indices()
+    position, R_BT = _tips(run, joints, tool_of[move] if len(tool_of) else move)
+    return position, Rotation.from_matrix(R_BT)
 
 
 def _speeds(run: ProgramRun, times: FloatArray, view: View) -> FloatArray:
     """Gives TCP speeds (N,) m/s: the derivative of a spline through the TCP at ticks, tool by tool."""
     last = max(float(times[-1]), run.record.end) if len(times) else 0.0
-    ticks: FloatArray = TICK * np.arange(-2, int(np.ceil(last / TICK)) + 3, dtype=np.float64)
-    joints = run.record.joints(ticks, view)
+    tick = np.arange(-2, int(np.ceil(last / TICK)) + 3)
+    joints = run.record.joints_of_ticks(tick, view)
     speed: FloatArray = np.zeros(len(times))
     tool_of = run.record.tool_indices()
     active = tool_of[run.record.move_at(times)] if len(tool_of) else np.zeros(len(times), dtype=np.intp)
     for tool in np.unique(active):
-        X_FT = run.record.moves[tool].move.leg.X_FT if len(tool_of) else RigidTransform.identity()
-        position = (run.planner.arm.flange(joints) * X_FT).translation
-        velocity = CubicSpline(ticks, position)(times, 1)
+        position, _ = _tips(run, joints, np.full(len(tick), tool))
+        velocity = CubicSpline(TICK * tick, position)(times, 1)
         speed[active == tool] = np.linalg.norm(velocity[active == tool], axis=1)
     return speed
 

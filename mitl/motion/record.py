@@ -21,7 +21,7 @@ from mitl.motion.filters import motor_side, moving_average
 from mitl.motion.lag import behind_at
 from mitl.motion.moves import PlannedMove
 from mitl.motion.robot_model import RobotModel
-from mitl.paths import FloatArray
+from mitl.paths import FloatArray, IndexArray
 
 TICK = 4e-3
 """Spacing in s of the joint samples behind every view; the plan itself is exact at any time."""
@@ -90,7 +90,9 @@ class MotionRecord:
         self._q_start = q_start
         self._carried = False
         self._followed = q_start[None, :].copy()
-        self._views: dict[View, FloatArray] = {View.TOOL: self._followed, View.CONTROLLER: self._followed}
+        self._tool = self._report = self._followed
+        self._reported = 1
+        """Ticks of the controller's report that hold; the rest is computed when somebody asks."""
 
     @property
     def half_filter(self) -> float:
@@ -157,7 +159,7 @@ class MotionRecord:
         return joints if not self._carried else self._along(np.array([time]), joints[None])[0]
 
     def _joints_at(self, time: float, view: View) -> FloatArray:
-        values = self._views[view]
+        values = self.ticks(view)
         place = min(max(time / TICK, 0.0), len(values) - 1.0)
         k = min(int(place), len(values) - 2)
         if k < 0:
@@ -168,6 +170,23 @@ class MotionRecord:
         c2, c3 = u * (0.5 + u * (2 - 1.5 * u)), -0.5 * u * u * (1 - u)
         return np.asarray(c0 * before + c1 * left + c2 * right + c3 * after)
 
+    def ticks(self, view: View) -> FloatArray:
+        """Gives the joints (K, 6) rad of a view every TICK from 0 s until nothing moves any more, as if all belts stood."""
+        match view:
+            case View.PLANNED:
+                return self._planned(TICK * np.arange(len(self._followed), dtype=np.float64))
+            case View.TOOL:
+                return self._tool
+            case View.CONTROLLER:
+                if self._reported < len(self._tool):
+                    self._report_from(self._reported)
+                return self._report
+
+    def joints_of_ticks(self, tick: IndexArray, view: View) -> FloatArray:
+        """Gives joints (N, 6) rad at ticks (N,) in a view; they rest before 0 and after the end."""
+        values = self.ticks(view)
+        return self._along(TICK * tick.astype(np.float64), values[np.clip(tick, 0, len(values) - 1)])
+
     def joints(self, time: FloatArray, view: View) -> FloatArray:
         """Gives joints (N, 6) rad at times (N,) s in a view; they rest before 0 and after the end."""
         return self._along(time, self._standing(time, view))
@@ -176,7 +195,7 @@ class MotionRecord:
         """Gives joints (N, 6) rad at times (N,) s in a view as if all belts stood."""
         if view is View.PLANNED:
             return self._planned(time)
-        ticks = self._views[view]
+        ticks = self.ticks(view)
         if len(ticks) < 2:
             return np.repeat(ticks, len(time), axis=0)
         return np.asarray(CubicSpline(TICK * np.arange(len(ticks)), ticks)(np.clip(time, 0.0, TICK * (len(ticks) - 1))))
@@ -200,9 +219,7 @@ class MotionRecord:
 
     def joint_speeds(self, view: View) -> FloatArray:
         """Gives joint speeds (M, 6) rad/s at all ticks of a view."""
-        time: FloatArray = TICK * np.arange(len(self._followed), dtype=np.float64)
-        ticks = self._along(time, self._planned(time)) if view is View.PLANNED else self._views[view]
-        ticks = self._along(TICK * np.arange(len(ticks), dtype=np.float64), ticks) if view is not View.PLANNED else ticks
+        ticks = self.joints_of_ticks(np.arange(len(self.ticks(view))), view)
         return np.asarray(np.gradient(ticks, TICK, axis=0)) if len(ticks) > 1 else np.zeros_like(ticks)
 
     def strain(self, since: float) -> float:
@@ -210,7 +227,7 @@ class MotionRecord:
 
         0 for arms whose drives are known by more than such limits.
         """
-        ticks = self._views[View.TOOL][max(self._first_tick(since - self.half_filter) - 1, 0) :]
+        ticks = self._tool[max(self._first_tick(since - self.half_filter) - 1, 0) :]
         if not self.model.effort.even or len(ticks) < 3:
             return 0.0
         return float((np.abs(np.diff(ticks, 2, axis=0)) / self.model.acceleration).max()) / TICK**2
@@ -289,18 +306,27 @@ class MotionRecord:
         self._filter_from(max(known - 2 * self._hold, 0), self._hold)
 
     def _filter_from(self, tick: int, hold: int) -> None:
-        """Computes the arm's and the controller's views anew from a tick on, `hold` ticks past the plan's end."""
+        """Computes the tool's view anew from a tick on, `hold` ticks past the plan's end; the controller's when it is asked for."""
         margin = min(2 * hold, tick)
-        tail = np.concatenate([self._followed[tick - margin :], np.repeat(self._followed[-1:], hold, axis=0)])
-        once = moving_average(tail, TICK, [self.model.arm_windows[0]] * 6)
-        arm = moving_average(once, TICK, [self.model.arm_windows[1]] * 6)
-        report = (
-            motor_side(self.model, arm, TICK)
-            if self.model.elasticity is not None
-            else moving_average(tail, TICK, self.model.controller_windows)
-        )
-        for view, values in ((View.TOOL, arm), (View.CONTROLLER, report)):
-            self._views[view] = np.concatenate([self._views[view][:tick], values[margin:]])
+        arm = self._held(tick - margin)
+        for width in self.model.arm_windows:
+            arm = moving_average(arm, TICK, [width] * 6)
+        self._tool = np.concatenate([self._tool[:tick], arm[margin:]])
+        self._reported = min(self._reported, tick)
+
+    def _report_from(self, tick: int) -> None:
+        """Computes the controller's view anew from a tick on."""
+        margin = min(2 * self._hold, tick)
+        if self.model.elasticity is not None:
+            report = motor_side(self.model, self._tool[tick - margin :], TICK)
+        else:
+            report = moving_average(self._held(tick - margin), TICK, self.model.controller_windows)
+        self._report = np.concatenate([self._report[:tick], report[margin:]])
+        self._reported = len(self._report)
+
+    def _held(self, tick: int) -> FloatArray:
+        """Gives the joints along the lagged path from a tick on, until all filters have passed its end."""
+        return np.concatenate([self._followed[tick:], np.repeat(self._followed[-1:], self._hold, axis=0)])
 
 
 def _joints(scheduled: ScheduledChain, s: FloatArray) -> FloatArray:

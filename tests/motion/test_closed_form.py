@@ -74,3 +74,12 @@ def test_the_arm_gives_the_library_s_joints_with_and_without_it():
     np.testing.assert_allclose(arm.joints(X_BF, q[0]), q, atol=CLOSE)
     theirs = np.asarray(library.batch_inverse(X_BF, tuple(q[0])))
     np.testing.assert_allclose((theirs - q + np.pi) % (2 * np.pi) - np.pi, 0, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", robot_names())
+def test_forward_kinematics_are_the_library_s(name):
+    model = load_robot_model(name)
+    arm, q = Arm(model), np.random.default_rng(2).uniform(model.lower, model.upper, (200, 6))
+    X_BF, (position, R_BF) = arm.flange(q), arm.flange_places(q)
+    np.testing.assert_allclose(position, X_BF.translation, atol=CLOSE)
+    np.testing.assert_allclose(R_BF, X_BF.rotation.as_matrix(), atol=CLOSE)
