@@ -183,7 +183,8 @@ def _computed(
         reason = f"endless loop: this move was made more than {MOST} times; cut the program off with --max-time"
         raise MotionError(reason, module=at.module, line=at.line, file=at.file, column=at.column)
     if not run.finished and max_time is None and run.at is not None:
-        reason = f"the program is still running after {_LONGEST:g} s of the robot's time; cut it off with --max-time"
+        remedy = "give the inputs that it waits for with --input, or cut it off with --max-time"
+        reason = f"the program is still running after {_LONGEST:g} s of the robot's time; {remedy}"
         raise MotionError(reason, module=run.at.module, line=run.at.line, file=run.at.file, column=run.at.column)
     ends = duration_of(run) if run.finished else math.inf
     if max_time is not None:

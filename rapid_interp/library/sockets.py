@@ -22,14 +22,14 @@ USUAL_S = 60.0
 """Seconds that a socket instruction waits unless `\\Time` says otherwise."""
 _FOR_EVER = 1e9
 _CODE = "latin-1"
-_NEEDS = "it is carried out only if the caller gives the program a network: start(..., network=HostNetwork([...]))"
+_NEEDS = "sockets are refused, unless a Python caller gives the program a network: start(..., network=HostNetwork([...]))"
 CREATED, CONNECTED, BOUND, LISTENING, CLOSED = 1.0, 2.0, 3.0, 4.0, 5.0
 
 
 @contextmanager
 def _network(task: Stepper) -> Iterator[Network]:
     if task.network is None:
-        raise Fault(f"a program run here has no network: {_NEEDS}", "RAPID-R391")
+        raise Fault(f"no connection is opened: {_NEEDS}", "RAPID-R391")
     try:
         yield task.network
     except NetworkProblem as problem:

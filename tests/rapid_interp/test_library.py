@@ -185,7 +185,7 @@ def test_instructions_change_data_as_the_manual_says(run, body, shown):
         ("VelSet 0, 100;", "needs positive values"),
         ('Open "HOME:/a", f;', "no folder was given"),
         ("ArcL rt, v10, fine, tool0;", "ArcL: an application package"),
-        ("SocketCreate link;", "no network: it is carried out only if the caller gives the program a network"),
+        ("SocketCreate link;", "no connection is opened: sockets are refused, unless a Python caller gives the program a network"),
         ('SpyStart "x";', "--lenient leaves it out"),
         ("SyncMoveOn m, all;", "several robots that move together"),
         ("TryInt 1.5;", "1.5 is no integer"),

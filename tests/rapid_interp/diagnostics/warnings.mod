@@ -10,8 +10,8 @@ MODULE warnings
     SingArea\Wrist;
     UIShow "anything"; ! ### "warning: read but not executed: UIShow: it shows something to the operator; --lenient leaves it out [RAPID-W201]"
     n := ReadMotor(1); ! ### "not carried out: ReadMotor: drives and loads are not measured in simulation"
-    SocketCreate link; ! ### "warning: SocketCreate: it is carried out only if the caller gives the program a network"
-    IF SocketGetStatus(link) = SOCKET_CLOSED n := 1; ! ### "only if the caller gives the program a network"
+    SocketCreate link; ! ### "warning: SocketCreate: sockets are refused, unless a Python caller gives the program a network"
+    IF SocketGetStatus(link) = SOCKET_CLOSED n := 1; ! ### "unless a Python caller gives the program a network"
     ArcL p, v10, seam1, weld1, weave1, fine, tool0; ! ### "not carried out: ArcL: an application package"
     SearchL di1, p, p, v10, tool0; ! ### "warning: not carried out: SearchL: it is not simulated: there is no sensor"
     CONNECT alarm WITH ring;
