@@ -113,7 +113,7 @@ def _tracker(config: PhysicalConfig, seconds: float) -> list[Finding]:
         tracker.start()
         clock.wait(seconds)
         tracker.stop()
-        samples = tracker.samples()
+        samples, realtime = tracker.samples(), tracker.realtime
     finally:
         tracker.close()
     stations = [device for device in devices if device.kind == "base station" and device.connected]
@@ -132,10 +132,13 @@ def _tracker(config: PhysicalConfig, seconds: float) -> list[Finding]:
         ),
         Finding(
             "sampling",
-            State.BAD if slow else State.GOOD,
-            f"{rate:.1f} Hz of {config.tracker.rate_hz:g}, interval p99 {1e3 * float(np.quantile(intervals, 0.99)):.2f} ms"
-            if len(intervals)
-            else "none",
+            State.BAD if slow else State.GOOD if realtime else State.LOOK,
+            (
+                f"{rate:.1f} Hz of {config.tracker.rate_hz:g}, interval p99 {1e3 * float(np.quantile(intervals, 0.99)):.2f} ms"
+                if len(intervals)
+                else "none"
+            )
+            + ("" if realtime else "; not real-time, so a busy computer costs samples: allow it (ulimit -r 10)"),
         ),
     ]
 

@@ -137,6 +137,15 @@ class OpenVrTracker:
         """Gives how the sampling goes."""
         return self._sampler.statistics()
 
+    @property
+    def realtime(self) -> bool:
+        """Whether the system lets the sampling run before everything else."""
+        return self._sampler.realtime
+
+    def cpu_time(self) -> float:
+        """Gives the processor's time in s that the sampling took so far."""
+        return self._sampler.cpu_time()
+
     def close(self) -> None:
         """Ends the sampling and leaves SteamVR."""
         self._sampler.stop()

@@ -28,6 +28,10 @@ _MOST_BEHIND, _SLICE = 0.25, 0.05
 """Seconds by which a cell may be behind the wall's clock before it stops catching up, and that it catches up at once."""
 _MOST_UNSENT = 10_000
 _log = logging.getLogger(__name__)
+_QUIET = logging.getLogger(f"{__name__}.http")
+"""Takes what aiohttp says of requests that are none: it would quote them, with what may be somebody's password in them."""
+_QUIET.addHandler(logging.NullHandler())
+_QUIET.propagate = False
 
 
 class Pace(Enum):
@@ -59,7 +63,7 @@ class VirtualServer:
         """Opens the port and gives the server's address. Raises UsageError where it cannot be opened."""
         app = web.Application(client_max_size=_LARGEST_BODY)
         app.router.add_route("*", "/{tail:.*}", self._handle)
-        self._runner = web.AppRunner(app, access_log=None, handle_signals=False, shutdown_timeout=1.0)
+        self._runner = web.AppRunner(app, access_log=None, logger=_QUIET, handle_signals=False, shutdown_timeout=1.0)
         await self._runner.setup()
         site = web.TCPSite(self._runner, self._host, self._port, ssl_context=self._tls)
         try:
