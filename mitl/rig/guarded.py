@@ -182,7 +182,13 @@ class GuardedController:
         self._orders = -1
 
     def look(self) -> None:
-        """Asks the controller on both sessions whether it is there. Raises RigError; a robot that was left running is stopped."""
+        """Asks the controller on both sessions whether it is there. Raises RigError; a robot that was left running is stopped.
+
+        A guardian that has ended, because it had to stop the robot, is let go: the next motion starts with another.
+        """
+        if self._guardian is not None and not self._guardian.alive:
+            self._guardian.close()
+            self._guardian = None
         if self._controller.state() is ExecutionState.RUNNING and self._shadow is None:
             self.stop()
         self._second.state()

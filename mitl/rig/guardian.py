@@ -26,6 +26,7 @@ BEAT, MISSED = 0.25, 2.0
 """Seconds between two beats, and without any after which the robot is stopped."""
 READY, DONE = "watching", "done"
 _TRIES = 20
+_LEAVES = 10.0
 
 
 class Guardian:
@@ -41,6 +42,7 @@ class Guardian:
         if ready != READY:
             raise RigError(f"the guardian process could not reach the controller: {ready or 'it ended'}")
         self._ended = threading.Event()
+        self._closed = False
         self._thread = threading.Thread(target=self._beat, name="guardian-beat", daemon=True)
         self._thread.start()
 
@@ -58,14 +60,14 @@ class Guardian:
         """Tells the guardian that all is well and that it may go."""
         self._ended.set()
         self._thread.join(2.0)
-        with self._process:
-            if self._process.poll() is None:
-                try:
-                    _pipe(self._process.stdin).write(f"{DONE}\n")
-                    _pipe(self._process.stdin).flush()
-                except OSError:
-                    self._process.kill()
-        self._process.wait(10.0)
+        if self._closed:
+            return
+        self._closed = True
+        try:
+            self._process.communicate(f"{DONE}\n", timeout=_LEAVES)  # one that has ended has closed its pipe, which communicate knows
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.communicate()
 
     def __enter__(self) -> Guardian:
         return self

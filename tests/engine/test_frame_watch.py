@@ -67,3 +67,27 @@ def test_a_tracker_that_is_lost_at_the_end_could_not_be_verified(cases):
     cases(body).assert_outcomes(failed=1)
     assert only(cases)["outcome"] == "error"
     assert any("could not be verified" in message["text"] for message in only(cases)["messages"])
+
+
+TWO = """
+frames = []
+
+@case("line/first", title="First", purpose="Try.", program="line.mod")
+def test_first(bench, check, mitl_rig, mitl_calibration):
+    frames.append(mitl_calibration)
+    object.__setattr__(mitl_rig, "frame", lambda: 1)  # the tracker's software was restarted
+    check("x", value=1.0, limit=3.0, uncertainty=.3)
+
+@case("line/second", title="Second", purpose="Try.", program="line.mod")
+def test_second(bench, check, mitl_calibration):
+    frames.append(mitl_calibration)
+    check("calibrations", value=len(set(map(id, frames))), limit=2, uncertainty=0, at_least=True)
+
+@case("line/third", title="Third", purpose="Try.", program="line.mod")
+def test_third(bench, check, mitl_calibration):
+    check("calibrations", value=len({id(mitl_calibration), *map(id, frames)}), limit=2, uncertainty=0)
+"""
+
+
+def test_a_new_frame_of_the_tracker_is_calibrated_once_before_the_next_case(cases):
+    cases(TWO).assert_outcomes(passed=3)

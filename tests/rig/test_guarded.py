@@ -20,7 +20,7 @@ from mitl.protocols import ExecutionState
 from mitl.rig.guarded import GuardedController
 from mitl.rig.guardian import Guardian
 from mitl.rig.monotonic_clock import MonotonicClock
-from mitl.rig.physical import may_arm
+from mitl.rig.physical import await_rig, may_arm
 from mitl.rig.physical_config import ControllerConfig, PhysicalConfig, SafetyConfig
 
 from ..controllers.served import Served, transport_to
@@ -53,7 +53,7 @@ ENDMODULE
 class SwitchedTracker:
     """A tracker that sees, or does not."""
 
-    lost = False
+    lost = restarted = False
 
     def latest(self):
         if self.lost:
@@ -61,14 +61,15 @@ class SwitchedTracker:
 
 
 class Bench:
-    def __init__(self, folder, *, armed=True, faults=(), **safety):
+    def __init__(self, folder, *, armed=True, faults=(), patience=15.0, **safety):
+        self.folder = folder
         self.cell = start.virtual_cell("irb140", faults=[parse_fault(fault) for fault in faults])
         self.served = Served("1", folder / "disk", pace=Pace.REALTIME, cell=self.cell)
         self.clock = MonotonicClock()
         self.tracker = SwitchedTracker()
         self.config = ControllerConfig(self.served.address)
         config = PhysicalConfig("test", "irb140", self.config, safety=SafetyConfig(**{"first_speed": 100.0, **safety}))
-        first, second = (RwsController(transport_to(self.served), self.clock) for _ in range(2))
+        first, second = (RwsController(transport_to(self.served, patience=patience), self.clock) for _ in range(2))
         self.controller = GuardedController(
             first, second, config, load_robot_model("irb140"), self.tracker, self.clock, armed=armed, guardian=self.guardian
         )
@@ -99,6 +100,12 @@ class Bench:
         time.sleep(0.2)
         np.testing.assert_allclose(self.joints(), resting, atol=1e-9)  # rounding of radians and degrees
         assert 0.5 < resting[0] < degrees - 1.0
+
+    def restart_server(self):
+        """As after a power cut: the same address, nothing else is left."""
+        self.served.close()
+        self.cell = start.virtual_cell("irb140")
+        self.served = Served("1", self.folder / "disk", pace=Pace.REALTIME, cell=self.cell, port=self.served.port)
 
     def close(self):
         try:
@@ -226,6 +233,24 @@ def test_a_watchdog_stop_gets_through_while_the_first_session_hangs(make):
     thread.join()
 
 
+def test_a_controller_that_dies_in_a_motion_is_told_and_the_next_program_runs_when_it_is_back(make):
+    bench = make(patience=0.5).running()
+    bench.controller.write("option", "3")
+    bench.until(lambda: bench.joints()[0] > 2.0)
+    bench.served.close()
+    with pytest.raises(RigError, match=r"cannot be reached|cannot see|connection"):
+        bench.until(lambda: bench.controller.state() is not ExecutionState.RUNNING)
+    with pytest.raises(RigError, match="not there"):
+        await_rig(bench.controller, bench.tracker, bench.clock, 0.0)
+    bench.restart_server()
+    await_rig(bench.controller, bench.tracker, bench.clock, 5.0)
+    bench.controller.begin(first=False)
+    bench.running()
+    bench.controller.write("option", "1")
+    bench.until(lambda: bench.controller.read("option") == "0")
+    assert bench.joints()[0] == pytest.approx(20.0, abs=0.1)
+
+
 def test_sigkill_of_the_process_stops_the_robot(make):
     bench = make().running()
     script = (
@@ -280,6 +305,21 @@ def test_the_first_pass_begins_slowly_and_climbs_and_the_way_to_a_new_program_is
     assert told[-2:] == [20.0, 60.0]
     bench.controller.close()
     assert told[-1] == 100.0
+
+
+def test_after_the_guardian_had_to_stop_the_robot_the_next_program_gets_another(make):
+    bench = make().running()
+    first = bench.controller._guardian
+    os.kill(first.pid, signal.SIGKILL)
+    bench.until(lambda: not first.alive)
+    with pytest.raises(RigError, match="guardian"):
+        bench.controller.write("option", "1")
+    bench.controller.stop()
+    await_rig(bench.controller, bench.tracker, bench.clock, 5.0)
+    bench.running()
+    assert bench.controller._guardian is not first
+    bench.controller.write("option", "1")
+    bench.until(lambda: bench.controller.read("option") == "0")
 
 
 def test_arming_needs_a_terminal_unless_the_rig_file_allows_unattended_runs(tmp_path):

@@ -148,6 +148,14 @@ def test_after_steamvr_quit_and_came_back_nothing_counts_until_it_is_calibrated_
     for call in (tracker.start, tracker.latest, lambda: tracker.average(0.1)):
         with pytest.raises(RigError, match="calibrate again"):
             call()
+    frame = tracker.frame
+    tracker.accept_frame()
+    bench.tell(samples(200))
+    bench.clock.wait(0.1)
+    tracker.start()
+    bench.clock.wait(0.1)
+    assert tracker.stop().valid.all(), "who takes on the new frame goes on in it"
+    assert frame == tracker.frame == 1, "and calibrates, because the number is another one"
 
 
 def test_without_steamvr_it_is_told_what_to_do(bench):
