@@ -47,6 +47,8 @@ def record_command(
         raise UsageError("--columns needs --from FILE")
     if program is not None and calibration:
         raise UsageError("expected --program or --calibration, got both")
+    if program is not None and not program.exists():
+        raise UsageError(f"{program}: cannot be read: No such file or directory")
 
     from mitl.cli.progress import Progress  # noqa: PLC0415 - see above
     from mitl.engine.calibration_session import calibration_program  # noqa: PLC0415 - see above
@@ -54,13 +56,15 @@ def record_command(
     from mitl.trackers.recorder import RigRecorder  # noqa: PLC0415 - see above
 
     built = load_rig(rig, seed, ())
+    poses = calibration_program(built) if calibration else None
+    if program is not None:
+        built.controller.load([program])  # before the file is begun: a program that is refused leaves none
     with Progress("record") as progress, RigRecorder(built, output, {"command": "mitl record"}) as recorder:
-        if calibration:
+        if poses is not None:
             progress.at("calibration poses")
-            recorder.calibration_poses(calibration_program(built))
+            recorder.calibration_poses(poses)
         else:
             if program is not None:
-                built.controller.load([program])
                 built.controller.start()
             progress.at(f"{seconds:g} s")
             try:

@@ -36,7 +36,7 @@ def read_path_and_damage(path: Path, topic: str | None = None) -> tuple[PosePath
         return _chosen(path, recording, topic), recording.damage
     if not head:
         raise UsageError(f"{path}: the file is empty")
-    if b"\0" in head:
+    if b"\0" in head or not _is_text(head):
         raise UsageError(f"{path}: expected {_FORMATS}, got some binary file")
     if path.suffix.lower() == ".csv" or head.removeprefix(b"\xef\xbb\xbf").startswith(b"t_s"):
         return read_csv(path).path, ""
@@ -47,6 +47,16 @@ def read_path_and_damage(path: Path, topic: str | None = None) -> tuple[PosePath
     if not _numeric(head):
         raise UsageError(f"{path}: unknown format: expected {_FORMATS}; it begins {head.splitlines()[0][:40].decode(errors='replace')!r}")
     return read_tum(path), ""
+
+
+def _is_text(head: bytes) -> bool:
+    """Gives whether a file's head is UTF-8, or Latin-1 without control characters; the head may end within a character."""
+    try:
+        head.decode("utf-8")
+    except UnicodeDecodeError as error:
+        if error.start < len(head) - 3:
+            return not any(byte < 32 and byte not in b"\t\n\f\r" for byte in head)
+    return True
 
 
 def _numeric(head: bytes) -> bool:

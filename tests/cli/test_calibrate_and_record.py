@@ -91,3 +91,13 @@ def test_a_still_rig_and_a_table_of_another_tracker_are_recorded_too(tmp_path, c
     path = read_recording(output).paths["/tracker/pose"].path
     assert path.time == pytest.approx([0.0, 1.0])
     assert path.position[1] == pytest.approx([1.0, 0.002, 0.003])
+
+
+@pytest.mark.parametrize("content", [None, "MODULE M\n  PROC main()\n    MoveL nowhere,v100,fine,tool0;\n  ENDPROC\nENDMODULE\n"])
+def test_a_program_that_cannot_be_loaded_leaves_no_recording(tmp_path, capsys, content):
+    program, output = tmp_path / "program.mod", tmp_path / "recording.mcap"
+    if content is not None:
+        program.write_text(content)
+    assert run(["record", "--program", str(program), "--output", str(output)]) == (2 if content is None else 4)
+    assert "program.mod" in capsys.readouterr().err
+    assert not output.exists()

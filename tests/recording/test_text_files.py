@@ -155,6 +155,7 @@ def test_files_that_hold_no_path_are_usage_errors(tmp_path):
     for name, content, message in (
         ("empty", b"", "the file is empty"),
         ("binary", b"\x7fELF\0\0\0", "some binary file"),
+        ("no zeros", b"\x18\xff\xa1q\x11\xd4\x05" * 40, "some binary file"),
         ("prose", b"hello world\n", "prose: unknown format: expected MCAP"),
         ("latin", b"1 2 3 \xff", "not a TUM text file"),
     ):
