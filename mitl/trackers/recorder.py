@@ -122,3 +122,4 @@ class RigRecorder:
             self._writer.add_series(JOINTS, Series(time, joints, tuple(f"j{i}" for i in range(1, joints.shape[1] + 1))))
             self._writer.add_poses(FLANGE, PosePath(time, flange[:, :3], flange[:, 3:], valid), frame="base", body="flange")
             self._wrote_robot = True
+        self._writer.flush()  # not by the writer's own wall clock, which would keep rows for a second hand-over

@@ -9,7 +9,8 @@ from mitl.calibration import load_calibration
 from mitl.cli import run
 from mitl.paths import PosePath
 from mitl.recording import PoseTrack, Recording, read_recording, write_recording
-from mitl.trackers.recorder import FLANGE, STATE
+from mitl.rig import load_rig
+from mitl.trackers.recorder import FLANGE, STATE, RigRecorder
 
 
 @pytest.fixture(scope="module")
@@ -101,3 +102,16 @@ def test_a_program_that_cannot_be_loaded_leaves_no_recording(tmp_path, capsys, c
     assert run(["record", "--program", str(program), "--output", str(output)]) == (2 if content is None else 4)
     assert "program.mod" in capsys.readouterr().err
     assert not output.exists()
+
+
+def test_what_is_older_than_a_second_of_the_rigs_time_is_in_the_file_while_it_grows(tmp_path):
+    rig, file = load_rig("sim", 1, ()), tmp_path / "recording.mcap"
+    with RigRecorder(rig, file, {}) as recorder:
+        begin = rig.clock.now()
+        for seconds in (1.3, 0.9, 0.49):
+            recorder.run(seconds)
+            found = read_recording(file)  # as a killed process would leave it
+            lasts = rig.clock.now() - begin
+            for topic in ("/tracker/pose", FLANGE):
+                time = found.paths[topic].path.time
+                assert lasts - 1.0 < time[-1] - time[0] <= lasts + 0.01
