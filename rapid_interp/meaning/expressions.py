@@ -24,6 +24,7 @@ from rapid_interp.meaning.types import (
     OPAQUE_DEFAULT,
     STRING,
     SYNCIDENT,
+    WORLD_ZONES,
     Array,
     Atomic,
     RapidType,
@@ -314,6 +315,9 @@ class ExpressionCompiler(Compiler):
                     return failed(wanted)
                 inner = wanted.element if len(wanted.dimensions) == 1 else Array(wanted.element, wanted.dimensions[1:])
                 parts = [inner] * len(node.items)
+            case Atomic() if wanted.name in WORLD_ZONES and len(node.items) == 1:
+                self.value(node.items[0], NUM)
+                return constant(wanted, wanted.default)  # ASSUMPTION A-244: a zone begins undefined, whatever a saved program says
             case Atomic():
                 if not is_opaque(wanted):
                     self.error("RAPID-E120", f"expected {wanted.name}, found an aggregate", node.start)

@@ -78,6 +78,8 @@ NUMBERED = tuple(
     for name in ("wzstationary", "wztemporary", "egmident", "corrdescr", "loadsession", "trapdata", "pathrecid", "socketdev", "rmqslot")
 )
 """Types whose values are numbers that the task gives."""
+WORLD_ZONES = frozenset({"wzstationary", "wztemporary"})
+"""Of these the manuals write the value as `[0]`."""
 IODEV, DIR = Atomic("iodev"), Atomic("dir")
 """Handles of open files and folders."""
 SIGNAL_NAMES = ("signaldi", "signaldo", "signalgi", "signalgo", "signalai", "signalao", "signalxx")

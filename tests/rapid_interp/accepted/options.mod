@@ -24,6 +24,10 @@ MODULE options(SYSMODULE)
   TASK PERS menudata menu1 := ["","","menu1",1,"",255,True,1,0,False,0];
   PERS be_device beam;
   VAR intnum first_int := 1;
+  VAR wzstationary zone1 := [0];
+  VAR wztemporary zone2 := [0];
+  VAR stoppointdata follow := [1,TRUE,[10,20,0,0],0.5,0.2,"",0,0];
+  VAR itmtgt item := [0,0,0,[[0,0,0],[0,-1,0,0],[0,0,0,0],[0,0,0,0,0,0]]];
   PERS num tiny{2} := [2.64965E-31, 1.4013E-45];
   CONST num PITCH := 300 + 30;
   CONST egm_minmax still := [-0.0, 0.0];
@@ -59,6 +63,10 @@ MODULE options(SYSMODULE)
     GetItmTgt adapt1, adapt1;
     Hand_GripInward \holdForce:=10;
     BrakeCheck;
+    IF follow.type = fllwtime follow.followtime := 3;
+    IF follow.stoptime = 0 OR follow.stoptime > 3 OR
+       follow.type = stoptime
+       RAISE ERR_PATH_STOP;
   ERROR
     TEST ERRNO
     CASE AW_WELD_ERR, AW_WIRE_ERR:
