@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 if TYPE_CHECKING:
+    from mitl.engine.calibration_session import SessionCalibration
     from mitl.engine.record import RunRecord
     from mitl.protocols import Rig
 
@@ -20,6 +21,10 @@ class HookSpecifications:
     @pytest.hookspec(firstresult=True)
     def pytest_mitl_load_rig(self, config: pytest.Config, name: str, seed: int, faults: tuple[str, ...]) -> Rig | None:
         """Gives the rig called `name`, or None if it is not known here: for a rig of one's own that no rig.toml describes."""
+
+    @pytest.hookspec(firstresult=True)
+    def pytest_mitl_calibration(self, rig: Rig, case_id: str) -> SessionCalibration | None:
+        """Gives the calibration for a case, or None where the session's own is to be used: for runs that are judged again."""
 
     @pytest.hookspec
     def pytest_mitl_run_finished(self, run: RunRecord, unwritten: str) -> None:
@@ -43,6 +48,7 @@ def add_options(parser: pytest.Parser) -> None:
         metavar="N",
         help="run an inconclusive case at most N times, as a sequential test (default 3)",
     )
+    group.addoption("--mitl-judged-from", default=None, metavar="NAME", help="name of the run whose recordings are judged again")
     group.addoption("--mitl-long", action="store_true", help="also run cases that take hours")
     group.addoption("--mitl-out", default=None, metavar="DIR", help="keep results.json, junit.xml, report.html and recordings here")
     group.addoption(

@@ -122,8 +122,12 @@ def mitl_rig(pytestconfig: pytest.Config) -> Iterator[Rig]:
 
 
 @pytest.fixture
-def mitl_calibration(mitl_rig: Rig, pytestconfig: pytest.Config) -> SessionCalibration:
+def mitl_calibration(request: pytest.FixtureRequest, mitl_rig: Rig, pytestconfig: pytest.Config) -> SessionCalibration:
     """The calibration of this session; the first case that needs it drives the procedure, and the next after the frame has moved again."""
+    given: SessionCalibration | None = pytestconfig.hook.pytest_mitl_calibration(rig=mitl_rig, case_id=_recorder(request.node).info.id)
+    if given is not None:
+        _keeper(pytestconfig).keep_calibration(given)
+        return given
     known, frame = pytestconfig.stash.get(_CALIBRATION, None), mitl_rig.frame()
     if known is not None and known[0] == frame:
         return known[1]
@@ -141,11 +145,14 @@ def rig(request: pytest.FixtureRequest, mitl_rig: Rig) -> Iterator[Rig]:
     if {"bench", "mitl_calibration"} & set(request.fixturenames):
         request.getfixturevalue("mitl_calibration")  # before begin_case, so that it does not disturb the case's numbers
     recorder = _recorder(request.node)
+    from mitl.engine.reel import reel_of  # noqa: PLC0415 - not in other people's runs
+
     mitl_rig.begin_case(recorder.info.id)
     recorder.stop_robot = mitl_rig.controller.stop
-    recorder.start_clock(mitl_rig.clock.now)
-    yield mitl_rig
-    recorder.stop_clock()
+    reel = reel_of(mitl_rig, recorder, keep=_keeper(request.config).folder is not None)
+    reel.begin(repeats=request.config.getoption("mitl_repeats"))
+    yield reel.rig
+    reel.end()
     mitl_rig.controller.stop()
 
 
@@ -155,10 +162,13 @@ def bench(request: pytest.FixtureRequest, rig: Rig, mitl_calibration: SessionCal
     from mitl.engine.bench import Bench  # noqa: PLC0415
     from mitl.engine.calibration_session import calibration_program  # noqa: PLC0415
     from mitl.engine.frame_watch import frame_watch, refuse_if_moved, tell_age, void_if_moved  # noqa: PLC0415
+    from mitl.engine.replaying import keep_session  # noqa: PLC0415
     from mitl.errors import MitlError  # noqa: PLC0415
 
     session = mitl_calibration
     recorder = _recorder(request.node)
+    if recorder.tape is not None:
+        keep_session(recorder.tape, session)
     tell_age(session.calibration, recorder)
     watch = frame_watch(rig, session, calibration_program(rig, request.config.getoption("mitl_calibration")))
     try:
@@ -350,6 +360,7 @@ def _keeper(config: pytest.Config) -> RunKeeper:
         folder = Path(out).resolve() if out else None
         seed, faults = config.getoption("mitl_seed"), tuple(config.getoption("mitl_fault"))
         config.stash[_KEEPER] = RunKeeper(seed, faults, folder, rig_name=str(config.getoption("mitl_rig")), opened=_is_worker(config))
+        config.stash[_KEEPER].judged_from = config.getoption("mitl_judged_from")
         config.stash[_KEEPER].resume = config.getoption("mitl_resume")
     return config.stash[_KEEPER]
 

@@ -21,6 +21,7 @@ COMMANDS = {
     "oracle": "Compute the path of a RAPID program, without a rig.",
     "preflight": "Look a program over before a robot runs it: reach, limits, singularities, collisions.",
     "verify": "Run test cases on a rig and judge them.",
+    "judge": "Judge an old run again, without the rig.",
     "campaign": "Run cases with many seeds and faults: what they find, and how often they cry wolf.",
     "init": "Write the skeleton of a test case.",
     "faults": "List the faults that can be injected into the simulated controller.",

@@ -12,6 +12,7 @@ from mitl.engine.case import CaseInfo
 from mitl.engine.case_recording import RecordedRun, fresh, recording_of, slug
 from mitl.engine.judging import Look, Question, judged, promising
 from mitl.engine.record import CaseRecord, CheckRecord, Message, SubtestRecord
+from mitl.engine.tape import ATTACHMENT, Tape, encoded
 from mitl.errors import MitlError
 from mitl.outcome import Outcome, worst
 from mitl.protocols import LoggedEvent
@@ -25,6 +26,7 @@ class CaseRecorder:
     stop_robot and now are replaced by the fixture `rig`; a case without a rig has nothing to stop and runs on the computer's clock.
     voided: nothing that was measured counts. closing: what is done when the case has measured all, before its verdict.
     round: which run of the case this is, from 1; made: the checks made in it. most_looks: how many runs an inconclusive case may have.
+    more: whether the rig can do one more. tape: what the rig told the case, if it is kept.
     """
 
     info: CaseInfo
@@ -51,6 +53,8 @@ class CaseRecorder:
     round: int = 1
     made: set[str] = field(default_factory=set)
     closing: list[Callable[[], None]] = field(default_factory=list)
+    more: Callable[[], bool] = lambda: True
+    tape: Tape | None = None
     _asked: dict[str, tuple[Question, list[Look]]] = field(default_factory=dict)
     _subtest_broken: bool = False
 
@@ -76,6 +80,8 @@ class CaseRecorder:
             return False
         asked = [self._asked[check.name] for check in self.checks if check.outcome is Outcome.INCONCLUSIVE and not check.warning]
         if not all(promising(question, looks) for question, looks in asked):
+            return False
+        if not self.more():
             return False
         self.round += 1
         self.made.clear()
@@ -156,6 +162,8 @@ class CaseRecorder:
         """Gives all that was recorded, with the program's text attached; without paths and series there is nothing worth a file."""
         program = self.info.program
         attachments = {**self.attachments, **({program.name: program.read_bytes()} if program is not None else {})}
+        if self.tape is not None:
+            attachments[ATTACHMENT] = encoded(self.tape)
         metadata = {"case": self.info.id, **provenance}
         return recording_of(self.runs, paths=self.paths, series=self.series, log=self.events, metadata=metadata, attachments=attachments)
 

@@ -41,7 +41,7 @@ class RigDescription:
 class RunKeeper:
     """The run so far. folder: where it is kept, or None to keep nothing. rig_name: what was asked for. problem: why there is no report.
     opened: whether the folder is ready; set from the start where another process makes it ready. resume: go on with the run in it.
-    unwritten: why the folder is not up to date, or "".
+    unwritten: why the folder is not up to date, or "". judged_from: the run whose recordings are judged again, if so.
     """
 
     seed: int
@@ -55,6 +55,7 @@ class RunKeeper:
     opened: bool = False
     resume: bool = False
     unwritten: str = ""
+    judged_from: str | None = None
     started: str = field(default_factory=lambda: datetime.now(UTC).isoformat(timespec="seconds"))
     _before_s: float = 0.0
     _began: float = field(default_factory=time.monotonic)
@@ -171,6 +172,7 @@ class RunKeeper:
             started=self.started,
             wall_s=round(self._before_s + time.monotonic() - self._began, 3),
             interrupted=bool(missing),
+            judged_from=self.judged_from,
         )
 
     def save(self) -> RunRecord:

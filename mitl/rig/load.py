@@ -54,7 +54,7 @@ def load_rig(name_or_file: str, seed: int, faults: Sequence[str]) -> Rig:
     broken = [parse_fault(text) for text in faults]
     model = load_robot_model(config.robot)
     presets = {HAND: _preset(config, config.tracker), **{name: _device_preset(config, name) for name in config.devices}}
-    cell = _cell(config)
+    cell = cell_of(config)
     belts = {conveyor.name: Belt(conveyor) for conveyor in (cell.conveyors if cell else ())}
     controller = SimulatedController(model, broken, list(belts.values()))
     X_WL, X_FM = placement(seed)
@@ -136,7 +136,7 @@ def _tracker_models(presets: Mapping[str, TrackerParameters], seed: int, session
     return {hand: leader, **followers}
 
 
-def _cell(config: RigConfig) -> Cell | None:
+def cell_of(config: RigConfig) -> Cell | None:
     """Gives the rig's cell: one that comes with mitl, or one in a folder beside the rig file."""
     beside = config.folder / config.cell
     return load_cell(str(beside) if (beside / "cell.toml").is_file() else config.cell) if config.cell else None
