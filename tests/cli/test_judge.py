@@ -64,7 +64,7 @@ def test_a_changed_case_is_judged_by_its_new_limit_and_one_that_moves_otherwise_
         folder.mkdir()
         for module in ATC.glob("*.mod"):
             (folder / module.name).write_bytes(module.read_bytes())
-        (folder / "test_changed.py").write_text(source.replace(old, new), encoding="utf-8")
+        (folder / f"test_{name}.py").write_text(source.replace(old, new), encoding="utf-8")
         assert run(["judge", str(recorded), CASE, "--tests", str(folder), "--out", str(tmp_path / f"{name}-out")]) == code
 
 
