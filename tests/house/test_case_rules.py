@@ -1,4 +1,4 @@
-"""Rules of mitl's own cases that the cases' own tests do not hold (tests/atc/test_cases.py has the others): ids, and where limits come from."""
+"""Rules of mitl's own cases, beside those of tests/atc/test_cases.py: ids, and where limits come from."""
 
 import re
 from collections import Counter
