@@ -15,6 +15,7 @@ from mitl.motion.legs import CartesianLeg
 from mitl.motion.path import Path
 from mitl.paths import BoolArray, FloatArray, IndexArray
 
+_NOTHING = 1e-12
 _STEPS = 8
 _CLOSE = 1e-4
 """Share of x by which a cap may be wrong."""
@@ -70,7 +71,7 @@ def _fastest(seen: Callable[[IndexArray, FloatArray], FloatArray], low: FloatArr
         following = np.maximum(caps[todo] * over ** (-1 / power), low[todo])
         now = seen(todo, np.sqrt(following)) / limit[todo]
         moved = (following < caps[todo] * (1 - _CLOSE)) | (following > caps[todo] * (1 + _CLOSE))
-        fell, slowed = now[moved] / over[moved], following[moved] / caps[todo[moved]]
+        fell, slowed = np.maximum(now[moved] / over[moved], _NOTHING), following[moved] / caps[todo[moved]]
         caps[todo] = following
         todo, over, power = todo[moved], now[moved], np.clip(np.log(fell) / np.log(slowed), 0.25, 1.0)
     return caps

@@ -223,14 +223,16 @@ class MotionRecord:
         return np.asarray(np.gradient(ticks, TICK, axis=0)) if len(ticks) > 1 else np.zeros_like(ticks)
 
     def strain(self, since: float) -> float:
-        """Gives the greatest share of an axis' acceleration limit that the tool's motion takes where a plan from `since` s on shapes it.
+        """Gives the greatest share of an axis' speed or acceleration limit that the tool takes where a plan from `since` s shapes it.
 
         0 for arms whose drives are known by more than such limits.
         """
         ticks = self._tool[max(self._first_tick(since - self.half_filter) - 1, 0) :]
         if not self.model.effort.even or len(ticks) < 3:
             return 0.0
-        return float((np.abs(np.diff(ticks, 2, axis=0)) / self.model.acceleration).max()) / TICK**2
+        steps = np.diff(ticks, axis=0)
+        speed, acceleration = np.abs(steps) / self.model.speed, np.abs(np.diff(steps, axis=0)) / self.model.acceleration
+        return max(float(speed.max()) / TICK, float(acceleration.max()) / TICK**2)
 
     def move_at(self, time: FloatArray) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
         """Gives the index (N,) of the executed move at times (N,) s; it keeps its value while standing, and is 0 before the first."""

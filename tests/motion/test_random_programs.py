@@ -1,6 +1,6 @@
 """Any valid program keeps every limit of the arm, in every view, and its lines, arcs and triggers to the micrometre and microsecond.
 
-MITL_RANDOM_PROGRAMS sets how many are tried; 10,000 were (docs/motion_accuracy.md).
+MITL_RANDOM_PROGRAMS sets how many are tried; 10,000 were (docs/motion_limits_and_speed.md).
 """
 
 import os
