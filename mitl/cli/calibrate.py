@@ -23,6 +23,14 @@ _MODELS = ("auto", "rigid", "scale", "affine")
 @click.option("--rig", metavar="sim|FILE.toml", help="Drive this rig through the calibration poses, instead of recordings.")
 @click.option("--seed", default=1, show_default=True, type=click.IntRange(min=0), metavar="N", help="Seed of the simulated rig.")
 @click.option(
+    "--flange",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Where the robot's flange was: RECORDING is then one path of the tracker, both of any format that mitl reads.",
+)
+@click.option("--columns", metavar="MAP", help="For --flange: columns of RECORDING, t=COLUMN,x=COLUMN,... or vicon, optitrack, laser, egm.")
+@click.option("--flange-columns", metavar="MAP", help="The same for the table given as --flange.")
+@click.option(
     "--model",
     type=click.Choice(_MODELS),
     default="auto",
@@ -43,6 +51,9 @@ def calibrate_command(
     recordings: tuple[Path, ...],
     rig: str | None,
     seed: int,
+    flange: Path | None,
+    columns: str | None,
+    flange_columns: str | None,
     model: str,
     plan: bool,
     robot: str,
@@ -54,6 +65,8 @@ def calibrate_command(
 
     RECORDING is a calibration.mcap of `mitl verify`, or one of `mitl record --calibration`: robot and tracker over time, from which the
     clocks' offset comes too. Several recordings of poses are taken together. A degenerate set of poses is refused, saying what is missing.
+
+    Of another tracker, and of a robot without mitl: RECORDING --flange FILE, each over time on a clock of its own.
     """
     # heavy imports only when the command runs
     import json  # noqa: PLC0415 - see above
@@ -64,6 +77,10 @@ def calibrate_command(
 
     if sum((rig is not None, bool(recordings), plan)) != 1:
         raise UsageError("expected one of: recordings, --rig, --plan")
+    if flange is None and (columns is not None or flange_columns is not None):
+        raise UsageError("--columns and --flange-columns need --flange FILE")
+    if flange is not None and len(recordings) != 1:
+        raise UsageError(f"--flange: expected one RECORDING, the tracker's, got {len(recordings)}")
     if plan:
         from mitl.cli.calibration_plan import write_plan  # noqa: PLC0415 - see above
 
@@ -77,6 +94,8 @@ def calibrate_command(
         if rig is not None:
             poses, streams, reference = _from_rig(rig, seed, wanted)
             solved, offset = streams
+        elif flange is not None:
+            poses, (solved, offset) = _from_two_files(flange, flange_columns, recordings[0], columns, wanted)
         else:
             poses, one = _from_recordings(recordings, wanted)
             if one is None:
@@ -84,7 +103,8 @@ def calibrate_command(
                 solved = calibrate(poses, distortion=wanted or choose_distortion(poses))
             else:
                 solved, offset = one
-    provenance = {"recordings": ", ".join(str(file) for file in recordings)} if rig is None else {"rig": rig, "seed": str(seed)}
+    files = recordings if flange is None else (*recordings, flange)
+    provenance = {"recordings": ", ".join(str(file) for file in files)} if rig is None else {"rig": rig, "seed": str(seed)}
     if output is not None:
         save_calibration(output, solved, provenance, reference)
     told = _as_json(solved, poses, offset)
@@ -158,6 +178,27 @@ def _from_recordings(files: tuple[Path, ...], model: Distortion | None) -> tuple
             raise UsageError(f"{file}: expected the topics {expected}; it has {', '.join(tracks) or 'none'}")
     joined = [np.concatenate([getattr(part, name) for part in parts]) for name in ("flange", "tracked", "jitter")]
     return CalibrationPoses(*joined), None
+
+
+def _from_two_files(
+    flange: Path, flange_columns: str | None, tracker: Path, columns: str | None, model: Distortion | None
+) -> tuple[CalibrationPoses, tuple[Calibration, TimeOffset]]:
+    """Gives the poses, the calibration and the clocks' offset of a flange's path X_BF and a tracker's X_LM, each from a file."""
+    from mitl.calibration.streams import calibrate_streams  # noqa: PLC0415 - heavy imports only when the command runs
+    from mitl.errors import UsageError  # noqa: PLC0415 - see above
+    from mitl.recording import ColumnMap  # noqa: PLC0415 - see above
+    from mitl.recording.read import read_tracker_recordings  # noqa: PLC0415 - see above
+
+    paths = []
+    for file, given in ((flange, flange_columns), (tracker, columns)):
+        found = read_tracker_recordings(file, columns=None if given is None else ColumnMap.parse(given))
+        if len(found) > 1:
+            raise UsageError(f"{file}: expected one path, got {len(found)}: {', '.join(each.name for each in found)}")
+        if found[0].damage:
+            click.echo(f"warning: {file}: {found[0].damage}; what was before is used", err=True)
+        paths.append(found[0].path)
+    solved = calibrate_streams(paths[0], paths[1], model)
+    return solved.poses, (solved.calibration, solved.offset)
 
 
 def _as_json(c: Calibration, poses: CalibrationPoses, offset: TimeOffset | None) -> dict[str, Any]:

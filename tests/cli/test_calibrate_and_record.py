@@ -115,3 +115,29 @@ def test_what_is_older_than_a_second_of_the_rigs_time_is_in_the_file_while_it_gr
             for topic in ("/tracker/pose", FLANGE):
                 time = found.paths[topic].path.time
                 assert lasts - 1.0 < time[-1] - time[0] <= lasts + 0.01
+
+
+def test_tables_of_another_tracker_and_of_the_robot_calibrate_as_the_recording_does(recorded, tmp_path, capsys):
+    found = read_recording(recorded)
+    flange, tracker = tmp_path / "robot.csv", tmp_path / "take.csv"
+    for file, topic, header, order in (
+        (flange, FLANGE, "time_s,x_mm,y_mm,z_mm,u0,u1,u2,u3", [0, 1, 2, 3]),
+        (tracker, "/tracker/pose", "Time (Seconds),X,Y,Z,QX,QY,QZ,QW", [1, 2, 3, 0]),
+    ):
+        path = found.paths[topic].path
+        length = 1e3 if topic == FLANGE else 1.0
+        rows = np.column_stack([path.time, path.position * length, path.quaternion_wxyz[:, order]])
+        np.savetxt(file, rows, delimiter=",", header=header, comments="", fmt="%.9f")
+    command = ["calibrate", str(tracker), "--columns", "optitrack", "--format", "json"]
+    capsys.readouterr()
+    assert run([*command, "--flange", str(flange), "--flange-columns", "egm"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert run(["calibrate", str(recorded), "--format", "json"]) == 0
+    direct = json.loads(capsys.readouterr().out)
+    assert told["used"] == direct["used"]
+    assert told["scale"] == pytest.approx(direct["scale"], abs=1e-5)
+    assert told["time_offset_s"] == pytest.approx(direct["time_offset_s"], abs=1e-5)
+    assert run(command) == 2
+    assert "need --flange" in capsys.readouterr().err
+    assert run(["calibrate", "--rig", "sim", "--flange", str(flange)]) == 2
+    assert "expected one RECORDING" in capsys.readouterr().err
