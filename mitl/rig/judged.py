@@ -11,6 +11,7 @@ from pathlib import Path
 from mitl.engine.record import RunRecord
 from mitl.engine.replaying import ReplayedRig, replayed_rig
 from mitl.engine.results import read_run
+from mitl.engine.run import installed_versions
 from mitl.engine.tape import ATTACHMENT, Tape, decoded
 from mitl.errors import RigError, UsageError
 from mitl.motion.oracles import PlannedOracles
@@ -50,7 +51,7 @@ class RecordedRig:
         raise UsageError(f"{self.folder}: no case has a recording that can be judged again")
 
     def rig(self, oracles: OracleSource, facts: dict[str, str], robot: str) -> ReplayedRig:
-        """Gives the rig."""
+        """Gives the rig. Its versions are the recorded ones of what is not here; of what judges, the record has today's."""
         return replayed_rig(
             self.tape_of,
             oracles,
@@ -58,7 +59,7 @@ class RecordedRig:
             name=self.run.rig,
             robot=robot,
             seed=self.run.seed,
-            versions=self.run.versions,
+            versions={name: told for name, told in self.run.versions.items() if name not in installed_versions()},
         )
 
 

@@ -1,6 +1,7 @@
 """mitl judge: an old run is judged again without its rig."""
 
 import json
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,9 +14,12 @@ from mitl.cli import run
 from mitl.engine.replaying import Player
 from mitl.engine.tape import ATTACHMENT, ROUND, Call, Tape, decoded, encoded
 from mitl.errors import RigError, UsageError
+from mitl.motion.oracles import PlannedOracles
+from mitl.motion.robot_model import load_robot_model
 from mitl.paths import PosePath
 from mitl.protocols import AveragedPoint, ExecutionState, LoggedEvent
 from mitl.recording import read_recording, write_recording
+from mitl.rig.judged import recorded_rig
 from mitl.samples import TrackerSamples
 
 ATC = Path(atc.__file__).resolve().parent
@@ -40,6 +44,18 @@ def test_without_a_change_the_numbers_are_the_same_and_the_record_names_the_old_
     assert new["judged_from"] == f"old of {old['started']}"
     assert run(["judge", str(tmp_path / "new"), "--out", str(tmp_path / "newer")]) == 0, "what was judged again can be judged again"
     assert results(tmp_path / "newer")["cases"] == old["cases"]
+
+
+def test_the_record_has_the_versions_of_what_judged_and_of_the_rig_what_is_not_here(recorded, tmp_path):
+    told = results(recorded)
+    told["versions"] |= {"numpy": "0.1", "RobotWare": "6.13"}
+    old = tmp_path / "old"
+    shutil.copytree(recorded, old)
+    (old / "results.json").write_text(json.dumps(told))
+    made = recorded_rig(old)
+    versions = made.rig(PlannedOracles(load_robot_model("irb140")), made.first_tape().facts, "irb140").versions
+    assert versions["RobotWare"] == "6.13"
+    assert "numpy" not in versions
 
 
 def test_another_calibration_changes_the_verdict(recorded, tmp_path):
