@@ -30,6 +30,7 @@ COMMANDS = {
     "calibrate": "Calibrate tracker against robot.",
     "characterise": "Statistics of a tracker from its recordings.",
     "fit-tracker": "Fit a tracker preset to still recordings.",
+    "fit-motion": "Fit a robot's motion parameters to controller logs.",
     "view": "Replay a recording or an oracle in 3-D.",
     "export": "Write a recording as CSV, TUM text, XML, or a Foxglove layout.",
     "report": "Make the report of an earlier run again.",

@@ -28,13 +28,13 @@ def bounds_at(record: MotionRecord, arm: Arm, accuracy: ModelAccuracy, times: Fl
     """Gives the bounds at times (N,) s of what the arm does."""
     last = max(record.end, float(times[-1]) if len(times) else 0.0)
     ticks: FloatArray = TICK * np.arange(math.ceil(last / TICK) + 2, dtype=np.float64)
-    kinds, speed = _doing(record, arm, ticks)
+    kinds, speed = doing(record, arm, ticks)
     at = np.clip(np.rint(times / TICK).astype(np.intp), 0, len(ticks) - 1)
     found = accuracy.bounds(tuple(kinds[index] for index in at), speed[at])
     return OracleBounds(found.path, found.turn, found.time)
 
 
-def _doing(record: MotionRecord, arm: Arm, ticks: FloatArray) -> tuple[list[Kind], FloatArray]:
+def doing(record: MotionRecord, arm: Arm, ticks: FloatArray) -> tuple[list[Kind], FloatArray]:
     """Gives what the tool does at ticks (N,) s, and its speed (N,) m/s, the greatest around."""
     joints = record.joints(ticks, View.TOOL)
     width = 2 * round(AROUND / TICK) + 1
