@@ -21,6 +21,8 @@ from rapid_interp.running.values import Fault
 from rapid_interp.source import SourceText
 
 USER = "user"
+_BUILT_IN = frozenset({"num", "dnum", "bool", "string", "switch", "pos", "orient", "pose", "clock"})
+"""Types that operators and statements know by name; a program cannot give their names another meaning."""
 MAX_ELEMENTS = 1_000_000
 """Elements of an array; more is taken for a mistake before it fills the memory."""
 MAX_COMPONENTS = 1000
@@ -84,6 +86,9 @@ class Declarations:
         for module, unit in units:
             for node in module.declarations:
                 if isinstance(node, RecordType | AliasType):
+                    if node.name.text.lower() in _BUILT_IN:
+                        unit.error("RAPID-E105", f"{node.name.text!r} is a type of the language and cannot be declared", node.name.start)
+                        continue
                     self._claim(unit, node.name, node.scope)
                     self._not_task(unit, node)
                     self._type_nodes[unit.module.lower(), node.name.text.lower()] = node, unit

@@ -1,4 +1,7 @@
 MODULE scopes
+  RECORD num ! ### "'num' is a type of the language and cannot be declared [RAPID-E105]"
+    string label;
+  ENDRECORD
   LOCAL VAR num inside := 1;
   LOCAL CONST robtarget here := [[1, 2, 3], [1, 0, 0, 0], [0, 0, 0, 0], [9E9, 9E9, 9E9, 9E9, 9E9, 9E9]];
   LOCAL PROC hidden()
