@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Generator, Iterator
 from pathlib import Path
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -91,8 +90,7 @@ def pytest_runtestloop(session: pytest.Session) -> None:
     repeats: int = config.getoption("mitl_repeats")
     if not 1 <= repeats <= len(POCOCK):
         raise pytest.UsageError(f"--mitl-repeats={repeats}: expected 1 to {len(POCOCK)}")
-    keeper = _keeper(config)
-    keeper.planned.extend(planned)
+    (keeper := _keeper(config)).planned.extend(planned)
     try:
         if not shares_out:
             _load_rig(config)
@@ -111,8 +109,7 @@ def pytest_runtestloop(session: pytest.Session) -> None:
 @pytest.fixture(scope="session")
 def mitl_rig(pytestconfig: pytest.Config) -> Iterator[Rig]:
     """The rig of the whole run."""
-    loaded = _load_rig(pytestconfig)
-    if isinstance(loaded, Exception):
+    if isinstance(loaded := _load_rig(pytestconfig), Exception):
         raise loaded
     yield loaded
     try:
@@ -142,11 +139,11 @@ def mitl_calibration(request: pytest.FixtureRequest, mitl_rig: Rig, pytestconfig
 @pytest.fixture
 def rig(request: pytest.FixtureRequest, mitl_rig: Rig) -> Iterator[Rig]:
     """The rig, seeded for this case; the robot is stopped afterwards."""
+    from mitl.engine.reel import reel_of  # noqa: PLC0415
+
     if {"bench", "mitl_calibration"} & set(request.fixturenames):
         request.getfixturevalue("mitl_calibration")  # before begin_case, so that it does not disturb the case's numbers
     recorder = _recorder(request.node)
-    from mitl.engine.reel import reel_of  # noqa: PLC0415 - not in other people's runs
-
     mitl_rig.begin_case(recorder.info.id)
     recorder.stop_robot = mitl_rig.controller.stop
     reel = reel_of(mitl_rig, recorder, keep=_keeper(request.config).folder is not None)
@@ -165,10 +162,8 @@ def bench(request: pytest.FixtureRequest, rig: Rig, mitl_calibration: SessionCal
     from mitl.engine.replaying import keep_session  # noqa: PLC0415
     from mitl.errors import MitlError  # noqa: PLC0415
 
-    session = mitl_calibration
-    recorder = _recorder(request.node)
-    if recorder.tape is not None:
-        keep_session(recorder.tape, session)
+    session, recorder = mitl_calibration, _recorder(request.node)
+    keep_session(recorder.tape, session)
     tell_age(session.calibration, recorder)
     watch = frame_watch(rig, session, calibration_program(rig, request.config.getoption("mitl_calibration")))
     try:
@@ -222,7 +217,9 @@ def pytest_runtest_call(item: pytest.Item) -> Generator[None, Any, Any]:
         if recorder is not None:
             recorder.end_measuring()
     if recorder is not None:
-        _endings().tell_pytest(recorder)
+        from mitl.engine import endings  # noqa: PLC0415 - loaded already, because there is a recorder
+
+        endings.tell_pytest(recorder)
     return result
 
 
@@ -346,9 +343,7 @@ def _recorder(item: pytest.Item) -> CaseRecorder:
         from mitl.engine.case import undeclared  # noqa: PLC0415
         from mitl.engine.recorder import CaseRecorder  # noqa: PLC0415
 
-        made = CaseRecorder(_info(item) or undeclared(item))
-        item.stash[_RECORDER] = made
-        item.config.stash[_CURRENT] = made
+        item.config.stash[_CURRENT] = item.stash[_RECORDER] = CaseRecorder(_info(item) or undeclared(item))
     return item.stash[_RECORDER]
 
 
@@ -356,8 +351,7 @@ def _keeper(config: pytest.Config) -> RunKeeper:
     if _KEEPER not in config.stash:
         from mitl.engine.run import RunKeeper  # noqa: PLC0415
 
-        out = config.getoption("mitl_out")
-        folder = Path(out).resolve() if out else None
+        folder = Path(out).resolve() if (out := config.getoption("mitl_out")) else None
         seed, faults = config.getoption("mitl_seed"), tuple(config.getoption("mitl_fault"))
         config.stash[_KEEPER] = RunKeeper(seed, faults, folder, rig_name=str(config.getoption("mitl_rig")), opened=_is_worker(config))
         config.stash[_KEEPER].judged_from = config.getoption("mitl_judged_from")
@@ -368,22 +362,19 @@ def _keeper(config: pytest.Config) -> RunKeeper:
 def _load_rig(config: pytest.Config) -> Rig | Exception:
     """Gives the rig, or why there is none, which every case that needs it will say. Raises UsageError for wrong options."""
     if _RIG not in config.stash:
-        config.stash[_RIG] = _loaded_rig(config)
+        from mitl.errors import UsageError  # noqa: PLC0415
+
+        name, seed, faults = config.getoption("mitl_rig"), config.getoption("mitl_seed"), tuple(config.getoption("mitl_fault"))
+        try:
+            loaded: Rig = config.hook.pytest_mitl_load_rig(config=config, name=name, seed=seed, faults=faults)
+        except Exception as error:
+            if isinstance(error, UsageError):
+                raise
+            config.stash[_RIG] = error
+        else:
+            _keeper(config).describe(loaded)
+            config.stash[_RIG] = loaded
     return config.stash[_RIG]
-
-
-def _loaded_rig(config: pytest.Config) -> Rig | Exception:
-    from mitl.errors import UsageError  # noqa: PLC0415
-
-    name, seed, faults = config.getoption("mitl_rig"), config.getoption("mitl_seed"), tuple(config.getoption("mitl_fault"))
-    try:
-        loaded: Rig = config.hook.pytest_mitl_load_rig(config=config, name=name, seed=seed, faults=faults)
-    except UsageError:
-        raise
-    except Exception as error:  # noqa: BLE001 - kept, and raised by the fixture in every case
-        return error
-    _keeper(config).describe(loaded)
-    return loaded
 
 
 @pytest.hookimpl(trylast=True)
@@ -402,10 +393,6 @@ def _note(item: pytest.Item, error: BaseException, phase: str) -> None:
     """Records in the case what ended a phase of it; other people's tests have no recorder."""
     recorder = item.stash.get(_RECORDER, None)
     if recorder is not None:
-        _endings().note(recorder, item.path, error, phase)
+        from mitl.engine import endings  # noqa: PLC0415 - loaded already, because there is a recorder
 
-
-def _endings() -> ModuleType:
-    from mitl.engine import endings  # noqa: PLC0415 - loaded already, because there is a recorder
-
-    return endings
+        endings.note(recorder, item.path, error, phase)

@@ -130,8 +130,10 @@ def replayed_rig(
     )
 
 
-def keep_session(tape: Tape, session: SessionCalibration) -> None:
-    """Puts the calibration in force on the tape, with the poses that it was solved from."""
+def keep_session(tape: Tape | None, session: SessionCalibration) -> None:
+    """Puts the calibration in force on the tape, if there is one, with the poses that it was solved from."""
+    if tape is None:
+        return
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "calibration.toml"
         save_calibration(file, session.calibration, reference=session.reference)
