@@ -1,6 +1,6 @@
-"""Prints what a recording of a million samples (67 minutes at 250 Hz) costs: making report and replay, their size, and the browser's longest stall.
+"""Prints what a recording of a million samples (67 minutes at 250 Hz) costs: report and replay, their size, the browser's longest stall.
 
-Run: python benchmarks/long_recording.py [SAMPLES]. Needs `pip install mitl[browser]` and Chromium for the stalls. The bar (issue 8): 20 MB, 1 s.
+Run: python benchmarks/long_recording.py [SAMPLES]. The stalls need `pip install mitl[browser]` and Chromium. The bar (issue 8): 20 MB, 1 s.
 """
 
 from __future__ import annotations
