@@ -79,6 +79,8 @@ def oracle_command(
 ) -> None:
     """Run a RAPID program without a rig and write the path of its tool.
 
+    `mitl oracle bless` stores the oracles of the test programs, see its own --help.
+
     Prints duration, path length, number of moves, the peak share of each joint's speed limit, the signals that were set and what
     TPWrite wrote. A program that cannot move as told ends with the line and the reason, exit code 1, and nothing is left at OUT.
 
