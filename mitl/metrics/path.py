@@ -72,15 +72,18 @@ def interpolate(path: PosePath, time: FloatArray) -> PosePath:
 def nearest_distance(curve: FloatArray, position: FloatArray) -> FloatArray:
     """Gives the distance (N,) of points (N, 3) from the polyline through `curve` (M, 3).
 
-    The nearest of points at most 2 mm apart is found first, then the distance from the segments beside it.
+    The nearest two of points at most 2 mm apart are found first, then the distance from the segments beside them: where the curve closes,
+    its first and its last point are equally near, and only one of them has the segment.
     """
     points = _dense(curve)
     if len(points) == 1:
         return np.asarray(np.linalg.norm(position - points[0], axis=1))
-    _, index = cKDTree(points).query(position, workers=-1)
-    left = np.maximum(index - 1, 0)
-    right = np.minimum(index + 1, len(points) - 1)
-    return np.minimum(_segment_distance(position, points[left], points[index]), _segment_distance(position, points[index], points[right]))
+    _, nearest = cKDTree(points).query(position, k=2, workers=-1)
+    distance = np.full(len(position), np.inf)
+    for index in nearest.T:
+        for start, end in ((np.maximum(index - 1, 0), index), (index, np.minimum(index + 1, len(points) - 1))):
+            distance = np.minimum(distance, _segment_distance(position, points[start], points[end]))
+    return distance
 
 
 def _dense(curve: FloatArray) -> FloatArray:

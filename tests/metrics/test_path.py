@@ -63,6 +63,11 @@ def test_the_nearest_point_of_sparse_and_of_standing_curves():
     np.testing.assert_allclose(nearest_distance(corner[:2], points[2:3]), [0.01])
 
 
+def test_a_closed_curve_has_no_gap_where_it_closes():
+    square = np.array([[0.0, 0, 0], [1.0, 0, 0], [1.0, 1.0, 0], [0, 1.0, 0], [0, 0, 0]])
+    np.testing.assert_allclose(nearest_distance(square, np.array([[0.0, 0.0008, 0], [0.0008, 0.0, 0.001]])), [0.0, 0.001], atol=1e-12)
+
+
 def test_only_valid_samples_in_common_time_count():
     expected = around_a_corner()
     valid = expected.valid.copy()

@@ -25,6 +25,7 @@ STORED = read_index(oracles_folder())
 PLANNED = {entry.program: entry for entry in STORED if entry.kind is Kind.REGRESSION}
 SAME, SAME_TIME = 2e-5, 1e-3  # m, s: rounding on another processor, with room
 ROUNDED = 0.5e-3  # m: by so much the filters round lines' ends and circles at 200 mm/s (motion.md: .1 mm at 300)
+SETTLES = 15  # samples at the end of which the arm still comes to its stop
 ROTATION = np.array([0.0, 0.0, 1.0, 0.0])
 ENTRY = Entry("a.mcap", "a.mod", "0" * 64, "irb140", Kind.REGRESSION, "a test", "to see", "2026-01-01", "", ())
 
@@ -72,7 +73,7 @@ def test_the_planner_keeps_to_lines_and_circles_in_closed_form(source):
         oracle = source.oracle([ATC / entry.program], {"option": option, "subOption": sub})
         chosen = [move for move in oracle.moves if move.kind in ("MoveL", "MoveC")]
         planned = oracle.tcp.between(chosen[0].begins + 0.05, chosen[-1].ends)
-        assert nearest_distance(exact.position, planned.position).max() < ROUNDED
+        assert nearest_distance(exact.position, planned.position[:-SETTLES]).max() < ROUNDED
         assert nearest_distance(oracle.tcp.position, exact.position).max() < ROUNDED
 
 
