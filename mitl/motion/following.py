@@ -17,7 +17,7 @@ from mitl.motion.conveyor import Belt
 from mitl.paths import FloatArray
 
 _LET_GO = 0.2
-"""Seconds in which an arm that is let go stops being carried. ASSUMPTION A-271."""
+"""Seconds in which an arm that is let go stops being carried. ASSUMPTION A-278."""
 
 
 class FollowingError(MitlError):
@@ -51,7 +51,7 @@ class Connection:
     def believed(self, time: FloatArray) -> FloatArray:
         """Gives how far (N,) in m the piece is past the sensor at times (N,) s of the run, as the controller takes it.
 
-        ASSUMPTION A-270: it makes its own delay, half its filters, good by the belt's speed then; so at an even speed it is right.
+        ASSUMPTION A-277: it makes its own delay, half its filters, good by the belt's speed then; so at an even speed it is right.
         """
         seen = self.origin + time - self.horizon - self.encoder.delay
         ahead = self.belt.positions(seen) + self.horizon * self.belt.speeds(seen)
