@@ -29,7 +29,7 @@ _TOPIC = "/order/"
 
 
 class Kind(Enum):
-    """Where an oracle comes from: from elsewhere than the planner (closed form, published or measured figures), or from the planner itself."""
+    """Where an oracle comes from: elsewhere (closed form, published or measured figures), or the planner itself."""
 
     INDEPENDENT = "independent"
     REGRESSION = "regression"

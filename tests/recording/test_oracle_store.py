@@ -1,6 +1,5 @@
 """Stored oracles: written whole, read only as the index says, and what the planner makes today is what was blessed."""
 
-import json
 from pathlib import Path
 
 import numpy as np
@@ -80,7 +79,7 @@ def test_the_planner_keeps_to_lines_and_circles_in_closed_form(source):
 def test_a_program_names_its_orders(tmp_path):
     text = (
         "MODULE M\nVAR num option; VAR num subOption;\nCONST num many{3} := [1,2,3];\n"
-        "PROC main()\nTEST option\nCASE 1: inner;\nCASE 2,3: IF subOption = 4 TPWrite \"\";\n"
+        'PROC main()\nTEST option\nCASE 1: inner;\nCASE 2,3: IF subOption = 4 TPWrite "";\n'
         "CASE 5: TPWrite NumToStr(many{subOption},0);\nCASE 6: WaitTime 1;\nDEFAULT: WaitTime 0.1;\nENDTEST\nENDPROC\n"
         "PROC inner()\nTEST subOption\nCASE 7: WaitTime 1;\nCASE 8,9: inner;\nENDTEST\nENDPROC\nENDMODULE\n"
     )
