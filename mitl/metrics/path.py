@@ -80,7 +80,7 @@ def nearest_distance(curve: FloatArray, position: FloatArray) -> FloatArray:
         return np.asarray(np.linalg.norm(position - points[0], axis=1))
     _, nearest = cKDTree(points).query(position, k=2, workers=-1)
     distance = np.full(len(position), np.inf)
-    for index in nearest.T:
+    for index in np.asarray(nearest).T:
         for start, end in ((np.maximum(index - 1, 0), index), (index, np.minimum(index + 1, len(points) - 1))):
             distance = np.minimum(distance, _segment_distance(position, points[start], points[end]))
     return distance
