@@ -29,7 +29,14 @@ if TYPE_CHECKING:
 @click.option("--rig", default="sim", show_default=True, metavar="sim|FILE.toml", help="The simulated rig, or a rig file.")
 @click.option("--workers", default=2, show_default=True, type=click.IntRange(1), metavar="N", help="Processes on this computer.")
 @click.option("--scheduler", metavar="ADDRESS", help="A Dask scheduler, e.g. tcp://host:8786, instead of processes here.")
-@click.option("--out", default="mitl-campaign", show_default=True, type=click.Path(file_okay=False, path_type=Path), metavar="DIR")
+@click.option(
+    "--out",
+    default="mitl-campaign",
+    show_default=True,
+    type=click.Path(file_okay=False, path_type=Path),
+    metavar="DIR",
+    help="Where the results go; one that is there is gone on with.",
+)
 def campaign_command(
     cases: tuple[str, ...],
     faults: tuple[str, ...],

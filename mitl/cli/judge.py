@@ -22,7 +22,14 @@ if TYPE_CHECKING:
 )
 @click.argument("run", type=click.Path(exists=True, file_okay=False, path_type=Path), metavar="RUN")
 @click.argument("cases", nargs=-1, metavar="[CASE]...")
-@click.option("--out", default="mitl-judged", show_default=True, type=click.Path(file_okay=False, path_type=Path), metavar="DIR")
+@click.option(
+    "--out",
+    default="mitl-judged",
+    show_default=True,
+    type=click.Path(file_okay=False, path_type=Path),
+    metavar="DIR",
+    help="Where the new results go; not RUN itself.",
+)
 @click.option("--tests", type=click.Path(exists=True, file_okay=False, path_type=Path), metavar="FOLDER", help="Cases of your own, as run.")
 @click.option(
     "--calibration",

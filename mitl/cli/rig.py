@@ -20,7 +20,11 @@ if TYPE_CHECKING:
     from mitl.rig.order_spy import OrderSpy, Told
 
 
-@click.group("rig", short_help="Rehearse a run on a physical rig: everything but motion.")
+@click.group(
+    "rig",
+    short_help="Rehearse a run on a physical rig: everything but motion.",
+    epilog="Example: mitl rig dry-run --rig cell.toml atc-1/linear",
+)
 def rig_command() -> None:
     """What is done with a physical rig besides `mitl verify` and `mitl doctor`."""
 
