@@ -74,9 +74,16 @@ def rest_of_help(app: Sphinx, context: object, lines: list[str]) -> None:
     rest_of_plain_text(app, "command", "", context, None, lines)
 
 
+def stars_of_help(app: Sphinx, context: object, lines: list[str]) -> None:
+    """Keeps stars in what is said of options, epilogs and arguments as they are; directives are left alone."""
+    lines[:] = [line if line.lstrip().startswith("..") else line.replace("*", "\\*") for line in lines]
+
+
 def setup(app: Sphinx) -> dict[str, bool]:
     """Hooks both into the build."""
     app.connect("source-read", links_of_a_site)
     app.connect("autodoc-process-docstring", rest_of_plain_text)
     app.connect("sphinx-click-process-description", rest_of_help)
+    for part in ("options", "arguments", "epilog"):
+        app.connect(f"sphinx-click-process-{part}", stars_of_help)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
