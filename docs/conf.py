@@ -42,7 +42,7 @@ _SPECIAL = re.compile(r"([\\*|_])")
 
 
 def links_of_a_site(app: Sphinx, docname: str, source: list[str]) -> None:
-    """Turns links to files that are no pages into the files' names, and the shelf into the first page; FileNotFoundError for what is missing."""
+    """Turns links to what is no page into names, and the shelf into the first page; FileNotFoundError for what is missing."""
     folder = (DOCS / f"{docname}.md").parent
 
     def on_site(found: re.Match[str]) -> str:
