@@ -75,8 +75,8 @@ def rest_of_help(app: Sphinx, context: object, lines: list[str]) -> None:
 
 
 def stars_of_help(app: Sphinx, context: object, lines: list[str]) -> None:
-    """Keeps stars in what is said of options, epilogs and arguments as they are; directives are left alone."""
-    lines[:] = [line if line.lstrip().startswith("..") else line.replace("*", "\\*") for line in lines]
+    """Keeps stars and the like in what is said of options, epilogs and arguments as they are; directives are left alone."""
+    lines[:] = [line if line.lstrip().startswith("..") else re.sub(r"(?<!`)([*|]|_(?!\w))", r"\\\1", line) for line in lines]
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
