@@ -1,8 +1,9 @@
 """Runs all benchmarks beside their peers, prints the ratios, and writes docs/benchmarks.md with machine, versions and date.
 
-Run: python benchmarks/run.py [--quick] [--minutes 60] [--only NAME]... [--evo PYTHON] [--recordings FILE]... [--page FILE]. Every other
-file of this folder is one entry, in a process of its own. What lacks its peer, its tools or its recordings says so and gives no ratio; what
-fails or takes too long is told as such, and makes the exit code 1. The page never names a host or a path of this machine.
+Run: python benchmarks/run.py [--quick] [--minutes 60] [--only NAME]... [--beside PEER=PYTHON]... [--recordings FILE...] [--page FILE].
+Every other file of this folder is one entry, in a process of its own. evo (GPL) and roboticstoolbox stay out of our Python: --beside.
+What lacks its peer, its tools or its recordings says so and gives no ratio; what fails or takes too long is told as such, and makes the
+exit code 1. The page never names a host or a path of this machine.
 """
 
 from __future__ import annotations
@@ -26,7 +27,9 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
 PAGE = ROOT / "docs" / "benchmarks.md"
-PACKAGES = ("numpy", "scipy", "drake", "ruckig", "mcap", "distributed", "toppra", "lark", "evo", "roboticstoolbox-python", "openvr")
+PACKAGES = ("numpy", "scipy", "drake", "ruckig", "mcap", "distributed", "toppra", "lark", "openvr")
+PEERS = {"evo": "evo", "roboticstoolbox": "roboticstoolbox-python"}
+"""Peers with a Python of their own, and the packages that they are."""
 
 
 @dataclass(frozen=True)
@@ -40,13 +43,17 @@ class Ratio:
 
 @dataclass(frozen=True)
 class Entry:
-    """How one benchmark is run: arguments in full and in short, modules and programs it cannot do without, and the ratios it prints."""
+    """How one benchmark is run: arguments in full and in short, modules and programs it cannot do without, and the ratios it prints.
+
+    recordings: whether files are its arguments. beside: the peer whose Python is its argument, where there is one.
+    """
 
     full: tuple[str, ...] = ()
     quick: tuple[str, ...] = ()
     modules: tuple[str, ...] = ()
     programs: tuple[str, ...] = ()
     recordings: bool = False
+    beside: str = ""
     ratios: tuple[Ratio, ...] = ()
 
 
@@ -75,7 +82,11 @@ class Result:
 ENTRIES = {
     "calibration": Entry(quick=("4",)),
     "fit_tracker": Entry(recordings=True),
-    "fuzz_serve": Entry(full=("--requests", "100000", "--minutes", "10"), quick=("--requests", "5000", "--minutes", "1")),
+    "fuzz_serve": Entry(full=("--requests", "50000", "--minutes", "10"), quick=("--requests", "5000", "--minutes", "1")),
+    "inverse_kinematics": Entry(
+        beside="roboticstoolbox",
+        ratios=(Ratio("roboticstoolbox", "joints for the poses of a path, their time / ours", r"toolbox: .* pose of .*, ([\d.]+) times"),),
+    ),
     "lighthouse2": Entry(recordings=True),
     "long_recording": Entry(quick=("100000",)),
     "planning_speed": Entry(
@@ -91,9 +102,10 @@ ENTRIES = {
         ratios=(Ratio("lark", "reading RAPID with a syntax tree, our speed / theirs", r"([\d.]+) times lark"),),
     ),
     "recording_and_comparing": Entry(
+        beside="evo",
         ratios=(Ratio("evo", "comparing two paths of a million samples, their time / ours", r"evo: .* s, ([\d.]+) times"),),
     ),
-    "sampling": Entry(full=("--seconds", "60"), quick=("--seconds", "6"), modules=("openvr",), programs=("g++",)),
+    "sampling": Entry(full=("--seconds", "30"), quick=("--seconds", "6"), modules=("openvr",), programs=("g++",)),
     "thesis_tables": Entry(quick=("2",)),
 }
 """How those are run that need more than their name."""
@@ -123,8 +135,8 @@ def arguments_of(name: str, options: argparse.Namespace) -> tuple[str, ...]:
     entry = ENTRIES.get(name, Entry())
     if entry.recordings:
         return tuple(options.recordings)
-    if name == "recording_and_comparing":
-        return (options.evo,) if options.evo else ()
+    if entry.beside:
+        return (options.beside[entry.beside],) if entry.beside in options.beside else ()
     return entry.quick if options.quick else entry.full
 
 
@@ -159,7 +171,11 @@ def ratios(results: Sequence[Result]) -> list[tuple[str, str, str]]:
     for result in results:
         for ratio in ENTRIES.get(result.name, Entry()).ratios:
             found = re.search(ratio.pattern, result.text)
-            lack = "the benchmark did not get so far" if result.state is not State.DONE else f"{ratio.peer} is not installed"
+            lack = (
+                "the benchmark did not get so far"
+                if result.state is not State.DONE
+                else (f"no Python with {ratio.peer} (--beside)" if ratio.peer in PEERS else f"{ratio.peer} is not installed")
+            )
             rows.append((ratio.peer, ratio.what, found[1] if found else f"none: {result.reason or lack}"))
     return rows
 
@@ -170,6 +186,20 @@ def version(package: str) -> str:
         return importlib.metadata.version(package)
     except importlib.metadata.PackageNotFoundError:
         return "not installed"
+
+
+def version_in(python: str, package: str) -> str:
+    """Gives the version of a package in another Python."""
+    asked = [python, "-c", "import importlib.metadata, sys; print(importlib.metadata.version(sys.argv[1]))", package]
+    return subprocess.run(asked, check=True, stdout=subprocess.PIPE, text=True).stdout.strip()  # noqa: S603 - as told by the user
+
+
+def peer_and_python(text: str) -> tuple[str, str]:
+    """Gives a peer's name and its Python out of PEER=PYTHON."""
+    name, _, python = text.partition("=")
+    if name not in PEERS or not python:
+        raise argparse.ArgumentTypeError(f"{text}: expected PEER=PYTHON with PEER one of {', '.join(PEERS)}")
+    return name, python
 
 
 def machine() -> dict[str, str]:
@@ -220,14 +250,16 @@ def main() -> int:
     parser.add_argument("--quick", action="store_true", help="fewer seeds, shorter paths")
     parser.add_argument("--minutes", type=float, default=60.0, help="for all of them; what is left over is left out")
     parser.add_argument("--only", action="append", choices=names(), default=[], help="this one; may be repeated")
-    parser.add_argument("--evo", help="a Python that has evo (GPL: never in ours)")
+    parser.add_argument(
+        "--beside", action="append", type=peer_and_python, default=[], metavar="PEER=PYTHON", help=f"{' or '.join(PEERS)} and its Python"
+    )
     parser.add_argument("--recordings", nargs="+", default=[], help="recordings of a still tracker, for fit_tracker and lighthouse2")
     parser.add_argument("--page", type=Path, default=PAGE, help="where to write")
     options = parser.parse_args()
     facts, ends, results = machine(), time.monotonic() + 60.0 * options.minutes, []
-    if options.evo:
-        asked = [options.evo, "-c", "import importlib.metadata as m; print(m.version('evo'))"]
-        facts["evo"] = subprocess.run(asked, check=True, capture_output=True, text=True).stdout.strip()  # noqa: S603 - as told by the user
+    options.beside = dict(options.beside)
+    for name, package in PEERS.items():
+        facts[name] = version_in(options.beside[name], package) if name in options.beside else "not given"
     for name in options.only or names():
         result = measured(name, options, ends - time.monotonic())
         results.append(result)

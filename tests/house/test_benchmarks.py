@@ -7,6 +7,8 @@ import re
 import sys
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).resolve().parents[2]
 SPEC = importlib.util.spec_from_file_location("benchmarks_run", ROOT / "benchmarks" / "run.py")
 runner = importlib.util.module_from_spec(SPEC)
@@ -15,7 +17,7 @@ SPEC.loader.exec_module(runner)
 
 
 def options(**changes):
-    return argparse.Namespace(**{"quick": True, "recordings": [], "evo": None, **changes})
+    return argparse.Namespace(**{"quick": True, "recordings": [], "beside": {}, **changes})
 
 
 def planning(text, state=runner.State.DONE):
@@ -32,6 +34,15 @@ def test_what_lacks_its_peer_says_so_and_is_not_run(monkeypatch):
     found = runner.measured("rapid_reading", options(), 60.0)
     assert (found.state, found.reason) == (runner.State.LEFT_OUT, "needs the package lark")
     assert runner.ratios([found]) == [("lark", "reading RAPID with a syntax tree, our speed / theirs", "none: needs the package lark")]
+
+
+def test_a_peer_is_given_with_its_python_or_told_to_be_missing():
+    assert runner.peer_and_python("evo=/usr/bin/python3") == ("evo", "/usr/bin/python3")
+    with pytest.raises(argparse.ArgumentTypeError, match="expected PEER=PYTHON"):
+        runner.peer_and_python("lark=/usr/bin/python3")
+    assert runner.arguments_of("inverse_kinematics", options(beside={"roboticstoolbox": "/x/python"})) == ("/x/python",)
+    alone = runner.Result("inverse_kinematics", "", (), runner.State.DONE, "mitl: 0.14 us a pose")
+    assert [number for _, _, number in runner.ratios([alone])] == ["none: no Python with roboticstoolbox (--beside)"]
 
 
 def test_what_lacks_recordings_or_time_is_left_out():
