@@ -192,13 +192,15 @@ class ProgrammedMove:
 class OracleAccuracy:
     """How well an oracle knows the real arm, as standard uncertainties.
 
-    path: of positions, m. time: of when they are taken, s. speed: of steady speeds, as a share. turn: of orientations, rad.
+    path: of positions, m. time: of when they are taken, s. speed: of steady speeds, as a share. turn: of orientations, rad. lag: of the
+    time from an output to the tool's passing of the place where the oracle says it is set, s.
     """
 
     path: float = 0.0
     time: float = 0.0
     speed: float = 0.0
     turn: float = 0.0
+    lag: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)

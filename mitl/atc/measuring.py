@@ -81,7 +81,7 @@ def undistorted(bench: Bench, point: StillPoint) -> FloatArray:
 def budget_of_point(bench: Bench, point: StillPoint) -> Budget:
     """Gives the budget in m of a still point's position."""
     registration = bench.calibration.position_uncertainty(_lever(bench))
-    return point_budget(jitter=point.raw.jitter, registration=registration, drift=_drift(bench))
+    return point_budget(jitter=point.raw.jitter, registration=registration, drift=drift_since(bench))
 
 
 def budget_of_path(bench: Bench, largest: LargestDeviation, *, speed: float = 0.0, offset: TimeOffset | None = None) -> Budget:
@@ -94,7 +94,7 @@ def budget_of_path(bench: Bench, largest: LargestDeviation, *, speed: float = 0.
     budget = position_budget(
         random=largest.random,
         registration=bench.calibration.position_uncertainty(_lever(bench)),
-        drift=_drift(bench),
+        drift=drift_since(bench),
         speed=speed,
         time_sigma=0.0 if offset is None else offset.sigma,
     )
@@ -124,7 +124,7 @@ def budget_of_speed(bench: Bench, *, random: float, speed: float) -> Budget:
     )
 
 
-def _drift(bench: Bench) -> float:
+def drift_since(bench: Bench) -> float:
     """Gives what the tracker may have drifted in m since the calibration."""
     return drift_sigma(DRIFT_SD, DRIFT_TAU, bench.since_calibration)
 

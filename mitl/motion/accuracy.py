@@ -40,8 +40,9 @@ class Band:
     time: float
 
 
-UNKNOWN = OracleAccuracy(path=1.0e-3, time=15e-3, speed=2e-3, turn=float(np.radians(0.1)))
-"""For a model without figures. ASSUMPTION A-200: p95 of a fitted model on programs it was not tuned to (facts/motion.md)."""
+UNKNOWN = OracleAccuracy(path=1.0e-3, time=15e-3, speed=2e-3, turn=float(np.radians(0.1)), lag=2.5e-3)
+"""For a model without figures. ASSUMPTION A-200: p95 of a fitted model on programs it was not tuned to (facts/motion.md);
+its lag: ASSUMPTION A-291."""
 
 
 @dataclass(frozen=True)
@@ -90,6 +91,7 @@ def load_accuracy(folder: Path) -> ModelAccuracy:
         time=1e-3 * _number(file, "[oracle]", table, "time_ms"),
         speed=1e-2 * _number(file, "[oracle]", table, "speed_per_cent"),
         turn=float(np.radians(_number(file, "[oracle]", table, "turn_deg"))) if "turn_deg" in table else UNKNOWN.turn,
+        lag=1e-3 * _number(file, "[oracle]", table, "lag_ms") if "lag_ms" in table else UNKNOWN.lag,
     )
     rows = table.get("band", [])
     if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):

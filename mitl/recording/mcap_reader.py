@@ -185,6 +185,8 @@ def _assembled(contents: _Contents) -> Recording:
     for topic in [topic for topic in series if topic.endswith(VALID_SUFFIX) and topic.removesuffix(VALID_SUFFIX) in paths]:
         of = topic.removesuffix(VALID_SUFFIX)
         track, changes = paths[of], series.pop(topic)
+        if not len(changes.time):  # told of, but in a damaged file none of it is left
+            continue
         index = np.searchsorted(changes.time, track.path.time, side="right") - 1
         valid: BoolArray = np.where(index < 0, 1.0, changes.values[np.maximum(index, 0), 0]) > 0.5
         path = PosePath(track.path.time, track.path.position, track.path.quaternion_wxyz, valid)

@@ -49,7 +49,7 @@ def test_a_robot_that_is_wrong_is_no_moved_frame(cases):
 
 NO_RUN = """
 @case("line/none", title="None", purpose="Try.", program="line.mod")
-def test_none(bench, check):
+def test_none(bench, check, mitl_rig):
     check("one", value=1, limit=2, uncertainty=.1)
     bench.clock.wait({wait})
 """
@@ -63,7 +63,7 @@ def test_without_a_reference_the_robot_goes_to_calibration_poses_again(cases):
 
 
 def test_a_tracker_that_is_lost_at_the_end_could_not_be_verified(cases):
-    body = NO_RUN.format(wait=0) + "    bench.rig.devices['reference'].lost = True\n"
+    body = NO_RUN.format(wait=0) + "    mitl_rig.devices['reference'].lost = True\n"
     cases(body).assert_outcomes(failed=1)
     assert only(cases)["outcome"] == "error"
     assert any("could not be verified" in message["text"] for message in only(cases)["messages"])
