@@ -17,8 +17,8 @@ WINDOW = 0.2
 class Lateness:
     """How many s a tool is late at K instants, and how fast it is there.
 
-    seconds, random (K,) s: lateness and its own noise, as standard uncertainty; speed (K,) m/s: the oracle's, root mean square over the window.
-    Where the tool stands or no sample is valid, seconds is not a number and random infinite.
+    seconds, random (K,) s: lateness and its own noise, as standard uncertainty; speed (K,) m/s: the oracle's, root mean square over the
+    window. Where the tool stands or no sample is valid, seconds is not a number and random infinite.
     """
 
     seconds: FloatArray
