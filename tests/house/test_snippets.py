@@ -51,9 +51,10 @@ def test_the_commands_of_a_page_exist_with_their_options(page):
             continue
         command, context, rest = mitl, click.Context(mitl), words[1:]
         while isinstance(command, click.Group) and rest and not rest[0].startswith("-"):
-            name = rest.pop(0)
-            command = command.get_command(context, name)
-            assert command is not None, f"{line}: no command {name}"
+            try:
+                _, command, rest = command.resolve_command(context, rest)
+            except click.UsageError as error:
+                pytest.fail(f"{line}: {error}")
         known = {option for parameter in command.params for option in (*parameter.opts, *parameter.secondary_opts)} | {
             "--help",
             "--version",
