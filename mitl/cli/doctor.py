@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -35,7 +36,11 @@ def doctor_command(context: click.Context, rig: Path, out: Path, seconds: float,
 
     if not is_physical(str(rig)):
         raise UsageError(f'{rig}: expected a rig file of kind = "physical"; a simulated rig needs no doctor')
-    findings = examine(read_physical(rig), out, seconds)
+    context.exit(tell(examine(read_physical(rig), out, seconds), form))
+
+
+def tell(findings: Sequence[Finding], form: str) -> int:
+    """Prints findings as "text" or "json". Gives the exit code: 0 fit for a run, 4 something would keep it from one."""
     if form == "json":
         import json  # noqa: PLC0415 - only for this form
 
@@ -43,7 +48,7 @@ def doctor_command(context: click.Context, rig: Path, out: Path, seconds: float,
     else:
         for finding in findings:
             click.echo(line_of(finding))
-    context.exit(4 if any(finding.state.value == "bad" for finding in findings) else 0)
+    return 4 if any(finding.state.value == "bad" for finding in findings) else 0
 
 
 def line_of(finding: Finding) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 import tempfile
 from dataclasses import replace
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mitl.cli.doctor import line_of
+from mitl.cli.doctor import tell
 from mitl.cli.verify import Observer, run_pytest
 from mitl.errors import UsageError
 
@@ -54,13 +53,7 @@ def dry_run_command(context: click.Context, cases: tuple[str, ...], rig: Path, o
         raise UsageError(f'{rig}: expected a rig file of kind = "physical"; on a simulated rig nothing needs a rehearsal')
     config = read_physical(rig)
     told = _told(cases, config.robot)
-    findings = dry_run(config, told, out, seconds)
-    if form == "json":
-        click.echo(json.dumps([{"what": one.what, "state": one.state.value, "told": one.told} for one in findings], indent=2))
-    else:
-        for finding in findings:
-            click.echo(line_of(finding))
-    context.exit(4 if any(finding.state.value == "bad" for finding in findings) else 0)
+    context.exit(tell(dry_run(config, told, out, seconds), form))
 
 
 def _told(cases: tuple[str, ...], robot: str) -> list[Told]:

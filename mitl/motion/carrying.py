@@ -6,16 +6,13 @@ Invariant: where nothing is followed the joints stay exactly as they are.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.spatial.transform import RigidTransform
 
 from mitl.motion.kinematics import Arm
+from mitl.motion.scheduled import ScheduledChain
 from mitl.paths import BoolArray, FloatArray
-
-if TYPE_CHECKING:
-    from mitl.motion.record import ScheduledChain
 
 
 def shifts(chains: Sequence[ScheduledChain], time: FloatArray) -> FloatArray:

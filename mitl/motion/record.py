@@ -18,9 +18,9 @@ from scipy.spatial.transform import Rotation
 from mitl.motion.carrying import displaced, shifts
 from mitl.motion.chain import Chain
 from mitl.motion.filters import motor_side, moving_average
-from mitl.motion.lag import behind_at
 from mitl.motion.moves import PlannedMove
 from mitl.motion.robot_model import RobotModel
+from mitl.motion.scheduled import ScheduledChain
 from mitl.paths import FloatArray, IndexArray
 
 TICK = 4e-3
@@ -40,35 +40,6 @@ _SETTLED = 1e-6
 """Way in m that the lagged path coordinate may still be short of a stop for the arm to count as standing."""
 _TAIL = 16.0
 """Time constants of the lag after which nothing is left of it."""
-
-
-@dataclass(frozen=True, eq=False)
-class ScheduledChain:
-    """A chain that begins at `start` s, the lagged path coordinate `behind` m behind it."""
-
-    start: float
-    chain: Chain
-    behind: float = 0.0
-
-    @property
-    def end(self) -> float:
-        """Gives the time in s at which the plan comes to rest."""
-        return self.start + self.chain.timing.duration
-
-    @property
-    def first(self) -> float:
-        """Gives the path coordinate in m at which the chain begins."""
-        return float(self.chain.timing.position[0])
-
-    @property
-    def last(self) -> float:
-        """Gives the path coordinate in m at which the plan comes to rest, or goes on in the next chain."""
-        timing = self.chain.timing
-        return float(timing.at(np.array([timing.duration]))[0][0])
-
-    def behind_at(self, time: FloatArray, lag: float) -> FloatArray:
-        """Gives how far (N,) in m the lagged path coordinate is behind the plan at times (N,) s, from `start` on."""
-        return behind_at(self.chain.timing, lag, self.behind, time - self.start)
 
 
 @dataclass(frozen=True, eq=False)
