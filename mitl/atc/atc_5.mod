@@ -9,6 +9,8 @@ MODULE ATC_5
   CONST robtarget pWide := [[-282.843,-141.421,0],[0.173648178,0.000000000,0.984807753,0.000000000],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
   CONST robtarget pCircle := [[50,60,160],[0.173648178,0.000000000,0.984807753,0.000000000],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
   CONST robtarget pTurn := [[80,80,200],[0.173648178,0.000000000,0.984807753,0.000000000],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+  ! the same point with the wrist turned over, which no line leads to
+  CONST robtarget pFlipped := [[80,80,200],[0.173648178,0.000000000,0.984807753,0.000000000],[0,-2,-2,1],[9E9,9E9,9E9,9E9,9E9,9E9]];
   ! on the line between them axis 5 comes within 2 deg of 0
   CONST robtarget pSingular1 := [[48.178,-189.6,206.239],[0.581416229,0.297400884,0.717989248,-0.240830487],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
   CONST robtarget pSingular2 := [[189.6,-48.178,206.239],[0.581416229,0.297400884,0.717989248,-0.240830487],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
@@ -47,6 +49,9 @@ MODULE ATC_5
       CASE 6:
         singularity;
         done;
+      CASE 7:
+        configured;
+        done;
       DEFAULT:
         WaitTime 0.05;
       ENDTEST
@@ -57,6 +62,24 @@ MODULE ATC_5
     MoveAbsJ home, v500, fine, tTest;
     subOption := 0;
     option := 0;
+  ENDPROC
+
+  ! joint moves to targets in their configuration; a linear move to a configuration that it cannot end in
+  PROC configured()
+    TEST subOption
+    CASE 1:
+      MoveJ pTurn, v500, fine, tTest\WObj:=wTest;
+      WaitTime 0.5;
+      ConfJ \On;
+      MoveJ Offs(RelTool(pTurn,0,0,0\Rx:=10),-60,60,-60), vTest, fine, tTest\WObj:=wTest;
+      WaitTime 0.3;
+      MoveJ pTurn, vTest, fine, tTest\WObj:=wTest;
+      ConfJ \Off;
+    CASE 2:
+      ConfL \On;
+      MoveL pFlipped, vTest, fine, tTest\WObj:=wTest;
+      WaitTime 20;
+    ENDTEST
   ENDPROC
 
   ! one corner for every predefined zone

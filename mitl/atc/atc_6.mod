@@ -23,6 +23,12 @@ MODULE ATC_6
       CASE 2:
         toAndFro;
         done;
+      CASE 3:
+        override;
+        done;
+      CASE 4:
+        displaced;
+        done;
       DEFAULT:
         WaitTime 0.05;
       ENDTEST
@@ -44,6 +50,37 @@ MODULE ATC_6
     WaitTime 1;
     MoveL Offs(pWait,0,100,0), vTest, fine, tTest\WObj:=wTest;
     WaitTime 2;
+    MoveL pWait, vTest, fine, tTest\WObj:=wTest;
+    WaitTime 0.3;
+  ENDPROC
+
+  ! lines with a velocity override of 50 per cent, and with a largest speed
+  PROC override()
+    MoveJ pWait, v500, fine, tTest\WObj:=wTest;
+    WaitTime 0.5;
+    FOR pass FROM 1 TO 2 DO
+      VelSet 50, 5000;
+      MoveL Offs(pWait,0,200,0), vTest, fine, tTest\WObj:=wTest;
+      WaitTime 0.2;
+      VelSet 100, 150;
+      MoveL pWait, vTest, fine, tTest\WObj:=wTest;
+      WaitTime 0.2;
+    ENDFOR
+    VelSet 100, 5000;
+  ENDPROC
+
+  ! a line 40 mm higher by a program displacement, and turned about its start
+  PROC displaced()
+    MoveJ pWait, v500, fine, tTest\WObj:=wTest;
+    WaitTime 0.5;
+    PDispSet [[0,0,40],[1,0,0,0]];
+    MoveL pWait, vTest, fine, tTest\WObj:=wTest;
+    WaitTime 0.2;
+    MoveL Offs(pWait,0,150,0), vTest, fine, tTest\WObj:=wTest;
+    WaitTime 0.2;
+    PDispOff;
+    MoveL Offs(pWait,0,150,0), vTest, fine, tTest\WObj:=wTest;
+    WaitTime 0.2;
     MoveL pWait, vTest, fine, tTest\WObj:=wTest;
     WaitTime 0.3;
   ENDPROC

@@ -137,14 +137,7 @@ def test_reorientation(bench: Bench, check: Check) -> None:
 )
 def test_joint_limit(bench: Bench, check: Check) -> None:
     """The tool's way between before the order and after the controller has stopped by itself."""
-    bench.go(4, 1, settle=0.2)
-    before = bench.still_point()
-    events = bench.provoke(4, 2, timeout=5.0)
-    after = bench.still_point()
-    way = float(np.linalg.norm(after.tool[:3] - before.tool[:3]))
-    check("way of the tool", value=1e3 * way, limit=1e3 * STILL_LIMIT, unit="mm", budget=budget_of_point(bench, after))
-    for event in events:
-        check.message("info", f"event log: {event.number} {event.text}")
+    _check_refused(bench, check, 4, 2)
 
 
 @case(
@@ -179,6 +172,36 @@ def test_singularity(bench: Bench, check: Check) -> None:
 
 
 @case(
+    "atc-5/configuration",
+    title="Configurations",
+    purpose="Joint moves to targets in their configuration (ConfJ \\On); a line that would end with the wrist turned over (ConfL \\On).",
+    requirement="Joint moves end in the programmed configuration; a line that cannot is refused before it begins.",
+    limit_source="thesis 3.4.3.5: 10 mm at the same time; 5 mm as ATC-0 where nothing may move",
+    program="atc_5.mod",
+    catches=("wrong-configuration", "configuration-ignored"),
+    typical_s=15.0,
+)
+def test_configuration(bench: Bench, check: Check) -> None:
+    """The wrong wrist ends at the same pose, but on another way: what counts is the way there."""
+    with check.subtest("ConfJ"):
+        run = timed(bench.run(7, 1, variables={"speed": "100"}, name="ConfJ"))
+        moves = run.moves("MoveJ")[1:]
+        path = run.during(moves[0], moves[-1])
+        deviation = path_deviation(run.run.oracle.tcp, path)
+        in_time = largest_deviation(deviation.time, deviation.vector)
+        check(
+            "deviation at the same time",
+            value=1e3 * in_time.value,
+            limit=1e3 * PATH_LIMIT,
+            unit="mm",
+            budget=budget_of_path(bench, in_time, speed=moves[0].tcp_speed, offset=run.offset),
+        )
+        check_turn(bench, check, "orientation", path, deviation.turn)
+    with check.subtest("ConfL"):
+        _check_refused(bench, check, 7, 2)
+
+
+@case(
     "atc-5/speed-kept",
     title="Speed kept through zones and circles",
     purpose="A path of lines, an arc and zones is passed at 300 mm/s throughout.",
@@ -196,3 +219,15 @@ def test_speed_kept(bench: Bench, check: Check) -> None:
     for name, start, stop in (("along the arc", arc.begins, arc.ends), ("along the whole path", first.begins + 0.2, last.ends - 0.2)):
         found = speed_difference(run.run.oracle.tcp, run.tool, start, stop, around=0.2)
         check_speed(bench, check, f"speed {name}", faster=found.value, at=arc.tcp_speed, random=found.random, limit=SPEED_LIMIT)
+
+
+def _check_refused(bench: Bench, check: Check, option: int, sub_option: int) -> None:
+    """Judges how far the tool is moved from its home by an order that must be refused."""
+    bench.go(4, 1, settle=0.2)
+    before = bench.still_point()
+    events = bench.provoke(option, sub_option, variables={"speed": "200"}, timeout=5.0)
+    after = bench.still_point()
+    way = float(np.linalg.norm(after.tool[:3] - before.tool[:3]))
+    check("way of the tool", value=1e3 * way, limit=1e3 * STILL_LIMIT, unit="mm", budget=budget_of_point(bench, after))
+    for event in events:
+        check.message("info", f"event log: {event.number} {event.text}")

@@ -151,6 +151,16 @@ def _late_orientation(share: float) -> OrientationLaw:
     return law
 
 
+def _lagging_orientation(share: float) -> OrientationLaw:
+    # beyond a quarter the turn would begin backwards
+    late = min(max(share, 0.0), 0.25)
+
+    def law(done: FloatArray) -> FloatArray:
+        return np.asarray(done - 4 * late * done * (1 - done))
+
+    return law
+
+
 def wider_limits(angle_deg: float) -> Callable[[RobotModel], RobotModel]:
     """Gives a change of the robot model: every axis believed to turn so much further, both ways."""
     wider = np.radians(angle_deg)
@@ -206,6 +216,15 @@ KINDS = {
             1.0,
             settings.acceleration_limits_ignored,
         ),
+        FaultKind(
+            "wrong-configuration", "joint moves end with the wrist turned over", "planner", "share", 1.0, settings.wrong_configuration
+        ),
+        FaultKind("configuration-ignored", "ConfL and ConfJ are always \\Off", "planner", "share", 1.0, settings.configuration_ignored),
+        FaultKind("override-ignored", "VelSet loses a share of what it takes away", "planner", "share", 1.0, settings.override_ignored),
+        FaultKind(
+            "displacement-ignored", "a program displacement loses its shift", "interpreter", "share", 1.0, settings.displacement_ignored
+        ),
+        FaultKind("orientation-late", "the turn of the tool is behind its way", "planner", "share", 0.2, make_law=_lagging_orientation),
         FaultKind("sing-area-ignored", "SingArea is always \\Off", "planner", "share", 1.0, settings.sing_area_ignored),
         FaultKind("trigger-late", "triggers come late (or, negative, early)", "I/O", "ms", 60.0, settings.trigger_late),
         FaultKind("trigger-missing", "a share of the triggers does not come", "I/O", "share", 0.2, settings.trigger_missing),

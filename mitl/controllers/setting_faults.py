@@ -95,6 +95,56 @@ def acceleration_limits_ignored(share: float) -> EffectFilter:
     return ignored
 
 
+def wrong_configuration(share: float) -> EffectFilter:
+    """Gives a filter that takes a joint move for one that ends with the wrist turned over; a share below one half does nothing."""
+
+    def turned(quarter: float) -> float:
+        return quarter - 2 if quarter >= 0 else quarter + 2
+
+    def flipped(effect: effects.Effect) -> effects.Effect:
+        if not isinstance(effect, effects.MoveJ) or share < 0.5:
+            return effect
+        conf = effect.target.robconf
+        over = replace(conf, cf4=turned(conf.cf4), cf6=turned(conf.cf6), cfx=float(round(conf.cfx) ^ 1))
+        return replace(effect, target=replace(effect.target, robconf=over))
+
+    return flipped
+
+
+def configuration_ignored(share: float) -> EffectFilter:
+    """Gives a filter that switches ConfL and ConfJ off for good; a share below one half does nothing."""
+
+    def off(effect: effects.Effect) -> effects.Effect:
+        return replace(effect, on=False) if isinstance(effect, effects.SetConfiguration) and share >= 0.5 else effect
+
+    return off
+
+
+def override_ignored(share: float) -> EffectFilter:
+    """Gives a filter that loses a share of what VelSet takes away."""
+
+    def faster(effect: effects.Effect) -> effects.Effect:
+        if not isinstance(effect, effects.SetVelocity):
+            return effect
+        most = effect.max_tcp / (1 - share) if share < 1 else float("inf")
+        return replace(effect, override=effect.override + share * (100 - effect.override), max_tcp=most)
+
+    return faster
+
+
+def displacement_ignored(share: float) -> EffectFilter:
+    """Gives a filter that loses a share of the program displacement's shift."""
+
+    def nearer(effect: effects.Effect) -> effects.Effect:
+        if not isinstance(effect, effects.SetDisplacement):
+            return effect
+        trans = effect.displacement.trans
+        left = replace(trans, x=(1 - share) * trans.x, y=(1 - share) * trans.y, z=(1 - share) * trans.z)
+        return replace(effect, displacement=replace(effect.displacement, trans=left))
+
+    return nearer
+
+
 def sing_area_ignored(share: float) -> EffectFilter:
     """Gives a filter that takes every SingArea for Off; there is nothing between, so that a share below one half does nothing."""
 

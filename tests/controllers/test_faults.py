@@ -219,3 +219,18 @@ def test_play_leaves_an_axis_behind_on_either_side_and_scatter_somewhere_else_ea
 def test_a_sluggish_arm_has_less_acceleration():
     model = load_robot_model("irb140")
     assert robot_model(model, [parse_fault("sluggish=50")]).tcp_acceleration == pytest.approx(model.tcp_acceleration / 2)
+
+
+def test_settings_that_are_ignored_keep_nothing_of_what_they_say():
+    assert broken("configuration-ignored", effects.SetConfiguration(AT, True, True)) == effects.SetConfiguration(AT, True, False)
+    assert broken("override-ignored=.5", effects.SetVelocity(AT, 50.0, 150.0)) == effects.SetVelocity(AT, 75.0, 300.0)
+    shift = effects.SetDisplacement(AT, data.Pose(data.Pos(0, 10, 40)))
+    assert broken("displacement-ignored", shift).displacement.trans == data.Pos(0, 0, 0)
+    turned = broken("wrong-configuration", effects.MoveJ(target=data.RobTarget(data.Pos(100, 30, 50)), **COMMON)).target.robconf
+    assert (turned.cf1, turned.cf4, turned.cf6, turned.cfx) == (0, -2, -2, 1)
+
+
+def test_a_late_turn_begins_and_ends_with_the_move_and_is_behind_by_its_size_in_the_middle():
+    law = orientation_law([parse_fault("orientation-late=.2")])
+    assert law(np.array([0.0, 0.5, 1.0])) == pytest.approx([0.0, 0.3, 1.0])
+    assert (np.diff(law(np.linspace(0, 1, 50))) > 0).all()

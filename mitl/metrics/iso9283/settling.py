@@ -13,7 +13,7 @@ _SMOOTH = 0.03  # s, against single noisy samples
 def stabilisation(time: FloatArray, position: FloatArray, rest: FloatArray, band: float) -> tuple[float, float]:
     """Gives the time in s from the first entry of the band of `band` m about the place of rest until it is left no more, and the overshoot.
 
-    The overshoot in m is the largest excursion from the place of rest after the first entry, 0 where the band is not left again.
+    The overshoot in m is the largest excursion past the place of rest after the first entry, 0 where the band is not left again.
     time: (N,), position: (N, 3), from before the stop until after it. The band is entered along the approach, where the tool passes the
     plane `band` before the place of rest: a fast tool can cross a sphere between two samples, and noise across its way make it miss it.
     Raises ValueError where the path is within the band throughout, or at its end not.
@@ -28,4 +28,4 @@ def stabilisation(time: FloatArray, position: FloatArray, rest: FloatArray, band
     entered = int(np.flatnonzero(along >= -band)[0])
     if outside[-1] < entered:
         return 0.0, 0.0
-    return float(time[outside[-1] + 1] - time[entered]), float(away[entered:].max())
+    return float(time[outside[-1] + 1] - time[entered]), max(float(along[entered:].max()), 0.0)
