@@ -50,11 +50,21 @@ def calibrate_streams(flange: PosePath, tracker: PosePath, distortion: Distortio
     if not np.isfinite(coarse.sigma):
         raise CalibrationError("the clocks' offset cannot be told: robot and tracker do not show the same motion; record some of it")
     poses = still_poses(flange, tracker.shifted(coarse.seconds))
+    _require_orientation(poses)
     solved = calibrate(poses, distortion=distortion or choose_distortion(poses))
     fine = refine_offset(flange, solved.flange_path(tracker).only_valid(), coarse.seconds)
     offset = fine if np.isfinite(fine.sigma) else coarse
     poses = still_poses(flange, tracker.shifted(offset.seconds), margin=0.0 if offset is fine else _MARGIN)
     return StreamCalibration(calibrate(poses, distortion=distortion or choose_distortion(poses)), poses, offset)
+
+
+def _require_orientation(poses: CalibrationPoses) -> None:
+    """Raises CalibrationError where the tracker tells positions alone, as a reflector of a laser tracker does."""
+    if len(poses) > 1 and np.ptp(poses.tracked[:, 3:], axis=0).max() == 0.0 and np.ptp(poses.flange[:, 3:], axis=0).max() > 0.0:
+        raise CalibrationError(
+            "the tracker's orientation never changes while the flange turns: name its columns (qw qx qy qz, ez ey ex or rx ry rz);"
+            " a tracker that tells positions alone cannot be calibrated"
+        )
 
 
 def turning_offset(flange: PosePath, tracker: PosePath) -> TimeOffset | None:

@@ -40,6 +40,12 @@ def record_command(
     """
     from mitl.errors import UsageError  # noqa: PLC0415 - heavy imports only when the command runs
 
+    if output.suffix.lower() != ".mcap":
+        raise UsageError(
+            f"{output}: recordings are written as .mcap, not {output.suffix or 'without an ending'}; mitl export makes CSV of one"
+        )
+    if not output.resolve().parent.is_dir():
+        raise UsageError(f"{output}: there is no folder {output.parent}")
     if source is not None:
         _take_over(source, columns, output)
         return

@@ -75,6 +75,10 @@ def test_wrong_usage_is_told(tmp_path, capsys, recorded):
     assert "expected one of: recordings, --rig, --plan" in capsys.readouterr().err
     assert run(["record", "--output", str(tmp_path / "x.mcap"), "--columns", "vicon"]) == 2
     assert "--columns needs --from" in capsys.readouterr().err
+    for name, said in (("x.txt", "written as .mcap, not .txt"), ("x", "not without an ending"), ("none/x.mcap", "there is no folder")):
+        assert run(["record", "--seconds", "1", "--output", str(tmp_path / name)]) == 2
+        assert said in capsys.readouterr().err
+        assert not (tmp_path / name).exists()
     other = tmp_path / "other.mcap"
     track = read_recording(recorded).paths["/tracker/pose"]
     write_recording(other, Recording({"/tracker/pose": track}))

@@ -10,7 +10,7 @@ import pytest
 from mitl.cli import COMMANDS, mitl, run
 
 ROOT = Path(__file__).resolve().parents[2]
-RUN = ("tutorial", "oracle_from_rapid", "calibrate_a_rig")
+RUN = ("tutorial", "oracle_from_rapid", "calibrate_a_rig", "foreign_recordings")
 """Pages whose blocks are run in their order. reports_and_history has a test of its own, others need a physical rig."""
 FENCE = re.compile(r"^```(\w*)\n(.*?)^```", flags=re.DOTALL | re.MULTILINE)
 PAGES = sorted([*(ROOT / "docs").glob("*.md"), *ROOT.glob("*.md"), *(ROOT / "examples").rglob("*.md")])
