@@ -40,6 +40,7 @@ _MODELS = ("auto", "rigid", "scale", "affine")
 @click.option("--plan", is_flag=True, help="Make the RAPID program with the poses to calibrate at, for --robot, and drive nothing.")
 @click.option("--robot", default="irb140", show_default=True, metavar="NAME", help="For --plan: a folder in models/, or a path to one.")
 @click.option("--poses", "count", default=30, show_default=True, type=click.IntRange(12, 200), help="For --plan: how many.")
+@click.option("--cell", metavar="NAME|FOLDER|FILE", help="For --plan: what stands around the robot, to keep away from.")
 @click.option(
     "--output",
     type=click.Path(dir_okay=False, path_type=Path),
@@ -58,6 +59,7 @@ def calibrate_command(
     plan: bool,
     robot: str,
     count: int,
+    cell: str | None,
     output: Path | None,
     form: str,
 ) -> None:
@@ -81,10 +83,12 @@ def calibrate_command(
         raise UsageError("--columns and --flange-columns need --flange FILE")
     if flange is not None and len(recordings) != 1:
         raise UsageError(f"--flange: expected one RECORDING, the tracker's, got {len(recordings)}")
+    if cell is not None and not plan:
+        raise UsageError("--cell needs --plan: a rig file names its cell and its poses itself")
     if plan:
         from mitl.cli.calibration_plan import write_plan  # noqa: PLC0415 - see above
 
-        write_plan(robot, count, output)
+        write_plan(robot, count, cell, output)
         return
     wanted = None if model == "auto" else Distortion(model)
     offset: TimeOffset | None = None

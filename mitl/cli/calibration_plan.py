@@ -7,21 +7,23 @@ from pathlib import Path
 import click
 
 
-def write_plan(robot: str, count: int, output: Path | None) -> None:
-    """Makes the plan and writes the program, or prints it; says how much the poses spread."""
+def write_plan(robot: str, count: int, cell: str | None, output: Path | None) -> None:
+    """Makes the plan, clear of the cell if there is one, and writes the program, or prints it; says how much the poses spread."""
     import numpy as np  # noqa: PLC0415 - heavy imports only when the command runs
 
     from mitl.calibration.pose_set import position_extents, rotation_spread  # noqa: PLC0415 - see above
     from mitl.cli.progress import Progress  # noqa: PLC0415 - see above
     from mitl.motion.robot_model import load_robot_model  # noqa: PLC0415 - see above
     from mitl.recording.atomic import replacing  # noqa: PLC0415 - see above
-    from mitl.rig.pose_plan import clear_of_itself, plan_poses, rapid_of  # noqa: PLC0415 - see above
+    from mitl.rig.pose_plan import clear_of_all, plan_poses, rapid_of  # noqa: PLC0415 - see above
+    from mitl.simulation.cell import load_cell  # noqa: PLC0415 - see above
 
     model = load_robot_model(robot)
+    around = None if cell is None else load_cell(cell)
     with Progress("calibrate") as progress:
         progress.at("choosing poses")
-        plan = plan_poses(model, clear_of_itself(model), count=count)
-    text = rapid_of(plan, model.description)
+        plan = plan_poses(model, clear_of_all(model, around), count=count)
+    text = rapid_of(plan, model.description, "the floor" if around is None else f"the cell {around.name}")
     if output is None:
         click.echo(text, nl=False)
     else:

@@ -20,6 +20,7 @@ from mitl.motion.robot_model import RobotModel
 from mitl.motion.spread_poses import spread_poses
 from mitl.paths import FloatArray
 from mitl.simulation.arm_gaps import ArmGaps
+from mitl.simulation.cell import Cell
 
 POSES = 30
 """Facts/tracker.md: 20 to 40. With 30, half of the registrations leave less than .25 mm at the thesis's points (benchmarks)."""
@@ -63,16 +64,19 @@ def plan_poses(model: RobotModel, clear: Clear, *, count: int = POSES, seed: int
     return PosePlan(home, joints[order], flange[order])
 
 
-def clear_of_itself(model: RobotModel) -> Clear:
-    """Gives whether the arm with a tracked body on its flange keeps a hand's breadth from itself and from the floor."""
-    gaps = ArmGaps(model.urdf)
+def clear_of_all(model: RobotModel, cell: Cell | None = None) -> Clear:
+    """Gives whether the arm with a tracked body on its flange keeps its distance from itself, from the floor and from what is around."""
+    gaps = ArmGaps(model.urdf, cell)
     return lambda q: gaps.smallest(model.between_links(q), _LEAST_GAP) >= _LEAST_GAP
 
 
-def rapid_of(plan: PosePlan, robot: str) -> str:
-    """Gives the program: option 1 moves to the pose whose number is subOption; joint targets, as neither tool nor work object matter."""
+def rapid_of(plan: PosePlan, robot: str, around: str = "the floor") -> str:
+    """Gives the program: option 1 moves to the pose whose number is subOption; joint targets, as neither tool nor work object matter.
+
+    around: what the poses were looked at for, told in the program's head.
+    """
     rows = ",\n".join(f"      {_target(q)}" for q in plan.joints)
-    return _PROGRAM.format(robot=robot, count=len(plan.joints), home=_target(plan.home), rows=rows)
+    return _PROGRAM.format(robot=robot, around=around, count=len(plan.joints), home=_target(plan.home), rows=rows)
 
 
 def _target(q: FloatArray) -> str:
@@ -82,6 +86,8 @@ def _target(q: FloatArray) -> str:
 
 def _tour(home: FloatArray, joints: FloatArray, numbers: list[int], clear: Clear) -> list[int]:
     """Gives the numbers in an order of short moves, each clear, as are those from and to home; what cannot be reached so is left out."""
+    if not clear(home):
+        raise UsageError("the arm does not keep its distance where it begins, at its home [0, 0, 0, 0, 30, 0]: make room in the cell")
     left = [number for number in numbers if _way_is_clear(home, joints[number], clear)]
     order: list[int] = []
     here = home
@@ -105,7 +111,7 @@ def _way_is_clear(start: FloatArray, end: FloatArray, clear: Clear) -> bool:
 _PROGRAM = """MODULE Calibration
   ! Poses for the registration of tracker and robot: option 1 moves to pose number subOption.
   ! Made by `mitl calibrate --plan` for {robot}. Joint targets: neither work object nor tool
-  ! data take part. They keep the axis limits, and the arm away from itself and the floor, also on the
+  ! data take part. They keep the axis limits, and the arm away from itself and {around}, also on the
   ! way from home to the first and from pose to pose in this order. Run it at low speed first.
   CONST num poseCount := {count};
   CONST jointtarget home := {home};

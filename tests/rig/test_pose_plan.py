@@ -1,6 +1,7 @@
 """The pose plan of a calibration: telling poses, reachable, clear of everything on the way, as a program that any controller can run."""
 
 import re
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +21,7 @@ from mitl.poses import pose_of
 from mitl.resources import models_folder
 from mitl.rig.pose_plan import plan_poses
 from mitl.simulation.arm_gaps import ArmGaps
+from mitl.simulation.cell import load_cell
 
 IRB140 = load_robot_model("irb140")
 
@@ -115,6 +117,31 @@ def test_the_command_writes_a_program_that_mitl_check_accepts_and_says_how_far_i
     assert run(["calibrate", "--plan", "--robot", "irb9000"]) == 2
     assert run(["calibrate", "--plan", "--rig", "sim"]) == 2
     assert "expected one of: recordings, --rig, --plan" in capsys.readouterr().err
+
+
+def test_a_plan_for_a_cell_keeps_away_from_it_on_every_way_and_the_shipped_one_does_not(tmp_path, capsys):
+    """The belt of the cell `line` lies across the front at 300 mm, where the poses for a free arm go through it."""
+    file = tmp_path / "poses.mod"
+    assert run(["calibrate", "--plan", "--cell", "line", "--poses", "15", "--output", str(file)]) == 0
+    assert "away from itself and the cell line" in file.read_text()
+    gaps = ArmGaps(IRB140.urdf, load_cell("line"))
+
+    def least(joints):
+        ways = [start + share * (end - start) for start, end in pairwise(joints) for share in np.linspace(0.0, 1.0, 9)]
+        return min(gaps.smallest(IRB140.between_links(q), 0.1) for q in ways)
+
+    assert least(targets(file)) > 0.035
+    assert least(targets(program_of("irb140"))) < -0.05
+    assert run(["check", str(file)]) == 0
+    assert run(["calibrate", "--rig", "sim", "--cell", "line"]) == 2
+    assert "--cell needs --plan" in capsys.readouterr().err
+    assert run(["calibrate", "--plan", "--cell", "nowhere"]) == 2
+    assert "no cell 'nowhere'" in capsys.readouterr().err
+
+
+def test_a_cell_that_is_in_the_way_at_home_is_told():
+    with pytest.raises(UsageError, match="where it begins, at its home"):
+        plan_poses(IRB140, lambda q: q[4] < 0.5, count=12)
 
 
 def test_another_robot_is_calibrated_by_its_own_program(tmp_path, capsys):
