@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from mitl.errors import RigError
@@ -19,6 +21,7 @@ from mitl.paths import PosePath
 from mitl.protocols import AveragedPoint, Clock
 from mitl.samples import TrackerSamples
 from mitl.trackers.openvr_runtime import POSE, DeviceInfo, OpenVrRuntime, RuntimeGoneError
+from mitl.trackers.sample_store import SampleStore
 from mitl.trackers.sampling import Sampler, SamplingStatistics
 
 RATE = 250.0
@@ -56,8 +59,8 @@ class OpenVrTracker:
         self.device = chosen(self._runtime.devices(), serial)
         self._lock = threading.Lock()
         self._recording = False
-        self._recorded: bytearray | None = None
-        self._averaging: bytearray | None = None
+        self._recorded: SampleStore | None = None
+        self._averaging: SampleStore | None = None
         self._last = b""
         self._session = self._accepted = 0
         self._quit_seen = self._tried = 0.0
@@ -70,7 +73,7 @@ class OpenVrTracker:
         """Starts recording a new path."""
         self._refuse_if_lost()
         with self._lock:
-            self._recorded, self._recording = bytearray(), True
+            self._recorded, self._recording = SampleStore(_RECORD.itemsize), True
 
     def stop(self) -> PosePath:
         """Stops recording and gives the whole path."""
@@ -87,15 +90,15 @@ class OpenVrTracker:
         with self._lock:
             if self._recorded is None:
                 raise RigError("the tracker was not started: call start() before asking for a path")
-            content = bytes(self._recorded)
-        return decoded(content)
+            store = self._recorded
+        return decoded(store.blocks())
 
     def latest(self) -> PosePath:
         """Gives the most recent sample as a path of length one."""
         self._refuse_if_lost()
         with self._lock:
             content = self._recent()
-        path = decoded(content).path
+        path = decoded([content]).path
         if not len(path) or self._now() - float(path.time[0]) > _FRESH:
             raise RigError("the tracker gives no samples: is SteamVR running?")
         if not path.valid[0]:
@@ -107,10 +110,10 @@ class OpenVrTracker:
         self._refuse_if_lost()
         self._clock.wait(self._settle)
         with self._lock:
-            self._averaging = bytearray()
+            self._averaging = SampleStore(_RECORD.itemsize)
         self._clock.wait(seconds)
         with self._lock:
-            content, self._averaging = bytes(self._averaging), None
+            content, self._averaging = self._averaging.blocks(), None
         window = decoded(content).path
         if not window.valid.any():
             raise RigError(f"the tracker is lost: none of {len(window)} samples in {seconds} s is valid{self._why()}")
@@ -157,7 +160,7 @@ class OpenVrTracker:
 
     def _recent(self) -> bytes:
         """Gives the last sample; while recording, the last of the path, so that both agree."""
-        return bytes(self._recorded[-_RECORD.itemsize :]) if self._recording and self._recorded else self._last
+        return (self._recorded.last() or self._last) if self._recording and self._recorded is not None else self._last
 
     def _take(self, now: float) -> None:
         """Takes one sample, in the sampling thread."""
@@ -166,9 +169,9 @@ class OpenVrTracker:
         with self._lock:
             self._last = record
             if self._recording and self._recorded is not None:
-                self._recorded += record
+                self._recorded.append(record)
             if self._averaging is not None:
-                self._averaging += record
+                self._averaging.append(record)
 
     def _read(self, now: float) -> tuple[bytes, int]:
         if self._runtime is None:
@@ -213,11 +216,23 @@ def chosen(devices: list[DeviceInfo], serial: str) -> DeviceInfo:
     return matching[0]
 
 
-def decoded(content: bytes) -> TrackerSamples:
-    """Gives samples from their bytes; those without a place are told as (0, 0, 0), not turned, and not valid."""
-    records = np.frombuffer(content, dtype=_RECORD)
-    later = np.concatenate([[True], np.diff(records["time"]) > 0]) if len(records) else np.zeros(0, dtype=np.bool_)
-    records = records[later]
+def decoded(blocks: Sequence[bytes]) -> TrackerSamples:
+    """Gives samples from blocks of their bytes; those without a place are told as (0, 0, 0), not turned, and not valid.
+
+    Block by block, so that the sampling thread gets its turn between two (`sample_store`).
+    """
+    parts = [_decoded(np.frombuffer(block, dtype=_RECORD)) for block in blocks] or [_decoded(np.zeros(0, dtype=_RECORD))]
+    time, position, quaternion, valid, result, buttons, velocity = (np.concatenate(columns) for columns in zip(*parts, strict=True))
+    later = np.concatenate([np.ones(min(1, len(time)), dtype=np.bool_), np.diff(time) > 0])
+    if not later.all():
+        time, position, quaternion, valid, result, buttons, velocity = (
+            column[later] for column in (time, position, quaternion, valid, result, buttons, velocity)
+        )
+    return TrackerSamples(PosePath(time, position, quaternion, valid), result, buttons, velocity)
+
+
+def _decoded(records: NDArray[np.void]) -> tuple[NDArray[Any], ...]:
+    """Gives time, position, quaternion, validity, result code, buttons and velocity of records (N,)."""
     matrix = records["pose"]["matrix"].astype(np.float64)
     position, turn = matrix[:, :, 3], matrix[:, :, :3]
     proper = np.abs(np.linalg.det(turn) - 1.0) < 1e-2
@@ -226,6 +241,6 @@ def decoded(content: bytes) -> TrackerSamples:
         quaternion[proper] = Rotation.from_matrix(turn[proper]).as_quat(canonical=True, scalar_first=True)
     placed = proper & np.any(position != 0.0, axis=1)
     valid = placed & records["pose"]["valid"] & records["pose"]["connected"] & (records["session"] == 0)
-    path = PosePath(records["time"].astype(np.float64), position, quaternion, valid)
     buttons = (records["buttons"] & _BUTTONS).astype(np.int16)
-    return TrackerSamples(path, records["pose"]["result"].astype(np.int16), buttons, records["pose"]["velocity"].astype(np.float64))
+    result, velocity = records["pose"]["result"].astype(np.int16), records["pose"]["velocity"].astype(np.float64)
+    return records["time"].astype(np.float64), position, quaternion, valid, result, buttons, velocity
