@@ -14,6 +14,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from mitl.controllers.rws.controller import RwsController
+from mitl.controllers.rws.errors import NotAllowedError
 from mitl.errors import RigError
 from mitl.motion.robot_model import RobotModel
 from mitl.paths import FloatArray
@@ -31,6 +32,7 @@ _SLOWEST, _LATEST, _POLL = 100.0, 10.0, 0.1
 """The least speed ratio is 1 per cent; and some seconds for what is no motion."""
 _HELD = 3
 """Orders for which each speed of a first pass is held."""
+_AUTO = "AUTO"
 NOT_ARMED = "the robot is not armed, so nothing was moved: look at the cell, then run mitl verify --arm"
 
 
@@ -184,7 +186,8 @@ class GuardedController:
     def look(self) -> None:
         """Asks the controller on both sessions whether it is there. Raises RigError; a robot that was left running is stopped.
 
-        A guardian that has ended, because it had to stop the robot, is let go: the next motion starts with another.
+        A guardian that has ended, because it had to stop the robot, is let go: the next motion starts with another. Armed, mastership is
+        taken, so that whoever waits for the rig waits for it too: that of a mitl that was killed is free after five minutes at most.
         """
         if self._guardian is not None and not self._guardian.alive:
             self._guardian.close()
@@ -192,6 +195,12 @@ class GuardedController:
         if self._controller.state() is ExecutionState.RUNNING and self._shadow is None:
             self.stop()
         self._second.state()
+        if self._armed:
+            try:
+                self._controller.take_control()
+            except NotAllowedError:
+                if self._controller.mode() == _AUTO:
+                    raise  # in manual mode nobody can have it, which `start` tells
 
     def close(self) -> None:
         """Stops the robot, puts back what was found on the controller, and lets the guardian go."""
@@ -217,7 +226,7 @@ class GuardedController:
 
     def _require_ready(self) -> None:
         """Refuses to move while anything that must watch the motion does not."""
-        if self._controller.mode() != "AUTO":
+        if self._controller.mode() != _AUTO:
             raise RigError(f"the controller is in {self._controller.mode()}, expected AUTO: turn the key")
         state = self._controller.controller_state()
         if state != "motoron":

@@ -12,6 +12,7 @@ import select
 import subprocess
 import sys
 import threading
+from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
 from typing import IO
@@ -24,15 +25,20 @@ from mitl.rig.remote import transport_to
 
 BEAT, MISSED = 0.25, 2.0
 """Seconds between two beats, and without any after which the robot is stopped."""
-READY, DONE = "watching", "done"
+READY, DONE, SESSION = "watching", "done", "session "
 _TRIES = 20
 _LEAVES = 10.0
 
 
 class Guardian:
-    """The parent's side: starts the process and beats. alive: what must hold for a beat to go out, e.g. that the watchdog lives."""
+    """The parent's side: starts the process and beats.
 
-    def __init__(self, config: ControllerConfig) -> None:
+    session: gives the cookies of the parent's session, which the guardian ends after it had to stop the robot: otherwise mastership would
+    stay with a process that is gone until the session expires, for five minutes. They go through a pipe and nowhere else.
+    """
+
+    def __init__(self, config: ControllerConfig, session: Callable[[], str] = str) -> None:
+        self._session = session
         text = json.dumps({name: getattr(config, name) for name in ("address", "generation", "fingerprint", "station")})
         command = [sys.executable, "-m", "mitl.rig.guardian", text]
         self._process = subprocess.Popen(  # noqa: S603 - our own module
@@ -77,8 +83,12 @@ class Guardian:
 
     def _beat(self) -> None:
         beats = _pipe(self._process.stdin)
+        told = ""
         while not self._ended.wait(BEAT):
             try:
+                if (session := self._session()) != told:
+                    beats.write(f"{SESSION}{session}\n")
+                    told = session
                 beats.write(".\n")
                 beats.flush()
             except OSError:
@@ -93,15 +103,19 @@ def _pipe(stream: IO[str] | None) -> IO[str]:
 
 def watch(transport: Transport, beats: int) -> str:
     """Waits on the file descriptor `beats` for the end of them; gives DONE, or the reason for which it then stopped the robot."""
-    buffer = b""
+    buffer, session = b"", ""
     while True:
         ready, _, _ = select.select([beats], [], [], MISSED)
         content = os.read(beats, 4096) if ready else b""
         if not ready or not content:
             break
-        buffer = (buffer + content)[-64:]
-        if f"{DONE}\n".encode() in buffer:
-            return DONE
+        *lines, buffer = (buffer + content).split(b"\n")
+        for line in lines:
+            text = line.decode("ascii", "replace")
+            if text == DONE:
+                return DONE
+            if text.startswith(SESSION):
+                session = text.removeprefix(SESSION)
     stop = transport.dialect.stop()
     last: MitlError | None = None
     for _ in range(_TRIES):
@@ -110,8 +124,19 @@ def watch(transport: Transport, beats: int) -> str:
         except MitlError as error:
             last = error
         else:
-            return "mitl is gone: the robot was stopped"
+            return "mitl is gone: the robot was stopped" + _left(transport, session)
     return f"mitl is gone, and the robot could not be stopped: {last}"
+
+
+def _left(transport: Transport, session: str) -> str:
+    """Ends the session that mitl left; gives what to add to the reason where that failed."""
+    if not session:
+        return ""
+    try:
+        transport.end_session(session)
+    except MitlError as error:
+        return f"; {error}"
+    return ""
 
 
 def main(arguments: list[str]) -> int:

@@ -42,9 +42,14 @@ def load_physical(file: Path, seed: int, faults: Sequence[str], *, armed: bool =
     config = read_physical(file)
     model = load_robot_model(config.robot)
     clock = MonotonicClock()
-    first, second = (RwsController(transport_to(config.controller, find_credentials), clock) for _ in range(2))
+    ours = transport_to(config.controller, find_credentials)
+    first, second = (RwsController(transport, clock) for transport in (ours, transport_to(config.controller, find_credentials)))
     tracker = open_tracker(config, clock)
-    controller = GuardedController(first, second, config, model, tracker, clock, armed=armed, guardian=lambda: Guardian(config.controller))
+
+    def guardian() -> Guardian:
+        return Guardian(config.controller, lambda: ours.session)
+
+    controller = GuardedController(first, second, config, model, tracker, clock, armed=armed, guardian=guardian)
     robotware, _ = first.system()
     feedback = open_feedback(config)
 

@@ -82,7 +82,7 @@ class PhysicalConfig:
     """What a rig file says. folder: what paths are relative to. calibration: a stored one, or "" to calibrate every run.
 
     egm: None where the controller streams nothing. patience_s: how long a case waits, before it begins, for a controller or a tracker
-    that is not there.
+    that is not there, or held by another; a session of a mitl that was killed holds it for up to 300 s.
     """
 
     name: str
@@ -92,7 +92,7 @@ class PhysicalConfig:
     safety: SafetyConfig = field(default_factory=SafetyConfig)
     egm: EgmConfig | None = None
     calibration: str = ""
-    patience_s: float = 300.0
+    patience_s: float = 330.0
     folder: Path = Path()
 
 
@@ -125,7 +125,7 @@ def read_physical(file: Path) -> PhysicalConfig:
         safety=_record(file, "safety", _section(file, table, "safety"), SafetyConfig),
         egm=_record(file, "egm", _section(file, table, "egm"), EgmConfig) if "egm" in table else None,
         calibration=_text(file, "rig", "calibration", rig.get("calibration", "")),
-        patience_s=_seconds(file, rig.get("patience_s", 300.0)),
+        patience_s=_seconds(file, rig.get("patience_s", 330.0)),
         folder=file.parent,
     )
     _check(file, found)

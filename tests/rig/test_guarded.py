@@ -251,6 +251,17 @@ def test_a_controller_that_dies_in_a_motion_is_told_and_the_next_program_runs_wh
     assert bench.joints()[0] == pytest.approx(20.0, abs=0.1)
 
 
+def test_a_rig_that_another_holds_is_waited_for(make):
+    bench = make()
+    other = RwsController(transport_to(bench.served), bench.clock)
+    other.take_control()
+    with pytest.raises(RigError, match=r"not there, also after 0 s: requesting mastership refused .* held by mitl"):
+        await_rig(bench.controller, bench.tracker, bench.clock, 0.0)
+    threading.Timer(0.5, other.close).start()
+    await_rig(bench.controller, bench.tracker, bench.clock, 10.0)
+    bench.running()
+
+
 def test_sigkill_of_the_process_stops_the_robot(make):
     bench = make().running()
     script = (

@@ -54,7 +54,7 @@ class RwsController:
         modules = self._read_sources(sources)
         if self.state() is ExecutionState.RUNNING:
             raise RigError("load refused: RAPID is executing, stop it first")
-        self._take_control()
+        self.take_control()
         self._mark_log()
         self._set_aside()
         for name, content in modules.items():
@@ -72,7 +72,7 @@ class RwsController:
             raise RigError("start refused: no program is loaded")
         if self.state() is ExecutionState.RUNNING:
             raise RigError("start refused: RAPID is executing already")
-        self._take_control()
+        self.take_control()
         self._explained(self._dialect.start())
 
     def stop(self) -> None:
@@ -98,7 +98,7 @@ class RwsController:
 
     def write(self, name: str, literal: str) -> None:
         """Sets a RAPID variable from a RAPID literal."""
-        self._take_control()
+        self.take_control()
         self._do(self._dialect.set_symbol(*self._place(name), literal))
 
     def read_signal(self, name: str) -> float:
@@ -136,7 +136,7 @@ class RwsController:
             raise RigError(f"speed ratio refused: expected 1 to 100 per cent, got {per_cent:g}")
         if self._found_speed is None:
             self._found_speed = self.speed_ratio()
-        self._take_control()
+        self.take_control()
         self._do(self._dialect.set_speed_ratio(per_cent))
 
     def event_log(self) -> list[LoggedEvent]:
@@ -145,6 +145,13 @@ class RwsController:
         return found[::-1]
 
     # --- beyond Controller ---------------------------------------------------------------------------------------------------
+
+    def take_control(self) -> None:
+        """Takes what must be held to change program or data, until `close`. Raises NotAllowedError where another holds it."""
+        if not self._controlling:
+            for ask in self._dialect.take_control():
+                self._do(ask)
+            self._controlling = True
 
     def speed_ratio(self) -> float:
         """Gives the speed override in per cent."""
@@ -180,7 +187,7 @@ class RwsController:
             if self._loaded is not None:
                 self._put_back()
             if self._found_speed is not None:
-                self._take_control()
+                self.take_control()
                 self._do(self._dialect.set_speed_ratio(self._found_speed))
                 self._found_speed = None
             self._release_control()
@@ -231,7 +238,7 @@ class RwsController:
             self._do(self._dialect.unload_module(name))
 
     def _put_back(self) -> None:
-        self._take_control()
+        self.take_control()
         for name in self._program_modules():
             self._do(self._dialect.unload_module(name))
         suffix = "mod" if self._dialect.generation == "1" else "modx"  # ASSUMPTION A-235: and .mod can be loaded by either
@@ -239,12 +246,6 @@ class RwsController:
             self._do(self._dialect.load_module(self._dialect.on_disk(f"found/{name}.{suffix}")))
         self._loaded, self._replaced = None, []
         self._do(self._dialect.remove(f"{self._dialect.home}/{FOLDER}"))
-
-    def _take_control(self) -> None:
-        if not self._controlling:
-            for ask in self._dialect.take_control():
-                self._do(ask)
-            self._controlling = True
 
     def _release_control(self) -> None:
         if self._controlling:
@@ -255,7 +256,7 @@ class RwsController:
     def _session_renewed(self) -> None:
         if self._controlling:
             self._controlling = False
-            self._take_control()
+            self.take_control()
 
     def _do(self, ask: Ask) -> None:
         self._transport.ask(ask)

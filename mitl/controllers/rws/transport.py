@@ -77,6 +77,8 @@ class Transport:
         self._next = 0.0
         self._client: httpx.Client | None = None
         self._introduced = False
+        self.session = ""
+        """The session's cookies as a header, as of its last answer; may be read from any thread at any time. A secret."""
         self._renewed = False
         """Whether the controller opened a new session by itself, as one with basic authentication does."""
         self._lock = threading.RLock()
@@ -119,8 +121,18 @@ class Transport:
     def cookies(self) -> str:
         """Gives the session's cookies as a header, for its WebSocket."""
         with self._lock:
-            client = self._open()
-            return "; ".join(f"{cookie.name}={cookie.value}" for cookie in client.cookies.jar)
+            return _cookies(self._open())
+
+    def end_session(self, cookies: str) -> None:
+        """Ends another session than ours, of a process that is gone, by its cookies. Raises UnreachableError."""
+        ask = self.dialect.log_out()
+        headers = {**self.dialect.headers(ask), "Cookie": cookies}
+        verify: ssl.SSLContext | bool = self._context() if self.address.startswith("https:") else False
+        try:
+            with httpx.Client(verify=verify, timeout=self._timeout, trust_env=False) as client:
+                client.request(ask.method, self.address + self.dialect.target(ask), headers=headers)
+        except httpx.TransportError as error:
+            raise UnreachableError(f"ending the session that is left over: {self.address} cannot be reached: {_said(error)}") from error
 
     def tls(self) -> ssl.SSLContext | None:
         """Gives the context that the session is encrypted with, or None for plain HTTP."""
@@ -195,6 +207,7 @@ class Transport:
         client = self._open()
         before = _session(client)
         response = client.request(ask.method, target, content=content, headers=headers)
+        self.session = _cookies(client)
         self._renewed = self._renewed or (before is not None and _session(client) != before)
         return response
 
@@ -229,7 +242,7 @@ class Transport:
     def _drop_client(self) -> None:
         if self._client is not None:
             self._client.close()
-        self._client, self._introduced = None, False
+        self._client, self._introduced, self.session = None, False, ""
 
     def _context(self) -> ssl.SSLContext:
         if self._fingerprint is None:
@@ -249,6 +262,10 @@ class Transport:
         context.check_hostname = False
         context.verify_flags |= ssl.VERIFY_X509_PARTIAL_CHAIN
         return context
+
+
+def _cookies(client: httpx.Client) -> str:
+    return "; ".join(f"{cookie.name}={cookie.value}" for cookie in client.cookies.jar)
 
 
 def _session(client: httpx.Client) -> str | None:
