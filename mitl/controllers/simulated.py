@@ -182,7 +182,7 @@ class SimulatedController:
             effect_filter=effect_filter(self._faults),
             units=ConveyorUnits(self._belts, origin=self._origin, horizon=self._record.half_filter, encoder=encoder(self._faults)),
         )
-        self._run.speed_ratio = self._speed_ratio
+        self._run.set_speed_ratio(self._speed_ratio, now)
         self._failed = False
         self._log(self._now(), _INFORMATION, "info", "program started")
 
@@ -245,12 +245,13 @@ class SimulatedController:
         self._motors = on
 
     def set_speed_ratio(self, per_cent: float) -> None:
-        """Sets the speed override, 1 to 100 per cent, for what is planned from now on."""
+        """Sets the speed override, 1 to 100 per cent, of the motion under way too."""
         if not 1 <= per_cent <= 100:
             raise RigError(f"speed ratio refused: expected 1 to 100 per cent, got {per_cent:g}")
         self._speed_ratio = per_cent / 100
         if self._run is not None:
-            self._run.speed_ratio = self._speed_ratio
+            now = self._now()
+            self._watched(now, lambda run: run.set_speed_ratio(self._speed_ratio, now - self._origin))
 
     def event_log(self) -> list[LoggedEvent]:
         """Gives the events logged since `load`, oldest first."""

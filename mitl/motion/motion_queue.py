@@ -14,6 +14,7 @@ from mitl.motion.moves import PlannedMove
 from mitl.motion.pace import StartTooFastError
 from mitl.motion.record import MotionRecord
 from mitl.motion.segments import CannotGoOnError, Queued, Rest, Segment, braked, taken_over
+from mitl.motion.speed_ratios import SpeedRatios
 from mitl.motion.trigger_times import PREFETCH, bend_time, passed_time, release_time, trigger_time
 from mitl.paths import FloatArray
 from rapid_interp.effects import Trigger
@@ -54,9 +55,7 @@ class MotionQueue:
     def __init__(self, planner: Planner, record: MotionRecord, *, now: float, told: Callable[[float, str], None]) -> None:
         self.planner = planner
         self.record = record
-        self.speed_ratio = 1.0
-        self.refreshed = 1.0
-        """SpeedRefresh: a share of the speeds beside the operator's ratio, for what is planned from then on."""
+        self._ratios = SpeedRatios()
         self.programmed = record.joints_planned_last
         self.held = False
         self._told = told
@@ -67,6 +66,57 @@ class MotionQueue:
         self._free = max(now, record.end)
         self._goes_on = -math.inf
         self._levels: list[_Level] = []
+
+    # --- speed ---------------------------------------------------------------------------------------------------------------
+
+    @property
+    def ratios(self) -> SpeedRatios:
+        """Gives the shares of programmed speeds that are in force."""
+        return self._ratios
+
+    def change_speed(self, ratios: SpeedRatios, now: float) -> None:
+        """Puts shares of programmed speeds in force, for the motion under way too; a share of 0 lets the arm stand. Raises MotionError.
+
+        ASSUMPTION A-261: the motion under way takes the new speed on at once, as hard as its drives can.
+        """
+        before, self._ratios = self._ratios.share, ratios
+        if ratios.share == before:
+            return
+        if ratios.share == 0:
+            held = self.held
+            self.stop(now, self.planner.model.tcp_acceleration)
+            self.held = held
+        elif before == 0:
+            self.plan(now)
+        elif self._rest is None:  # else it is being stopped
+            self._change_pace(now)
+
+    def _change_pace(self, now: float) -> None:
+        """Plans all motion that can still be changed anew, each stretch to begin where and, but for pauses, when the one before it ends."""
+        time = now + self.record.half_filter
+        under_way = [segment for segment in self._segments if segment.start <= time][-1:]
+        changed = [segment for segment in under_way if segment.end > time] + [s for s in self._segments if s.start > time]
+        ended = free = math.inf
+        for segment in changed:
+            waited = segment.start > ended + _SAME
+            ended = segment.end + self._pause(segment)
+            renewed = self._at_new_pace(segment, time, max(segment.start, free) if waited else min(segment.start, free))
+            if renewed is not segment:
+                self._schedule(renewed, now)
+                self._ease(renewed, now)
+            free = renewed.end + self._pause(renewed)
+
+    def _at_new_pace(self, segment: Segment, time: float, begins: float) -> Segment:
+        """Gives a segment with the speeds in force from `time` s on; itself where it brakes so hard already that nothing can be changed."""
+        moves, begin = segment.moves, segment.begin
+        try:
+            if segment.start < time:
+                begins, index, begin = taken_over(segment, time)
+                moves = moves[index:]
+            plans = [queued.plan for queued in moves]
+            return Segment(begins, self.planner.plan_chain(plans, speed_ratio=self._ratios.share, start=begin), moves, begin)
+        except StartTooFastError:
+            return segment
 
     # --- what a program gives ------------------------------------------------------------------------------------------------
 
@@ -102,7 +152,7 @@ class MotionQueue:
 
     def plan(self, now: float) -> None:
         """Plans and schedules all moves given so far, to rest at the last one. Raises MotionError."""
-        while self._waiting and not self.held:
+        while self._waiting and not self.held and self._ratios.share > 0:
             fine = next((index for index, queued in enumerate(self._waiting) if queued.plan.fine), len(self._waiting) - 1)
             group = self._waiting[: fine + 1]
             segment = self._carried_on(now, group) or self._set_out(now, group)
@@ -182,8 +232,8 @@ class MotionQueue:
         self.plan(now)
 
     def regain(self, plan: PlannedMove, now: float) -> None:
-        """Schedules a move back to where a stopped motion goes on."""
-        chain = self.planner.plan_chain([plan], speed_ratio=self.speed_ratio * self.refreshed)
+        """Schedules a move back to where a stopped motion goes on: none of the program's, so that SpeedRefresh does not count."""
+        chain = self.planner.plan_chain([plan], speed_ratio=self._ratios.operator)
         self._schedule(Segment(max(now + self.planner.model.start_latency, self._free), chain, (Queued(plan),)), now)
 
     def clear(self) -> None:
@@ -235,7 +285,7 @@ class MotionQueue:
             else:
                 time, index, begin = taken_over(former, time)
             moves = (*former.moves[index:], *group)
-            chain = self.planner.plan_chain([queued.plan for queued in moves], speed_ratio=self.speed_ratio * self.refreshed, start=begin)
+            chain = self.planner.plan_chain([queued.plan for queued in moves], speed_ratio=self._ratios.share, start=begin)
         except CannotGoOnError as error:
             self._fails_corner(now, former, str(error))
             return None
@@ -249,7 +299,7 @@ class MotionQueue:
         rest, self._rest = self._rest, None
         moves = (*(rest.lead if rest else ()), *group)
         begin = rest.begin if rest else None
-        chain = self.planner.plan_chain([queued.plan for queued in moves], speed_ratio=self.speed_ratio * self.refreshed, start=begin)
+        chain = self.planner.plan_chain([queued.plan for queued in moves], speed_ratio=self._ratios.share, start=begin)
         at_once = abs(now - self._goes_on) < _SAME  # told as soon as it could be: the pause holds all that a start takes
         start = now + (self.record.half_filter if at_once else self.planner.model.start_latency)
         return Segment(max(start, self._free), chain, moves, begin)
@@ -274,7 +324,7 @@ class MotionQueue:
             if strain <= 1:
                 return
             share *= _EASED / strain
-            plans, ratio = [queued.plan for queued in segment.moves], self.speed_ratio * self.refreshed
+            plans, ratio = [queued.plan for queued in segment.moves], self._ratios.share
             try:
                 chain = self.planner.plan_chain(plans, speed_ratio=ratio, start=segment.begin, share=share)
             except StartTooFastError:

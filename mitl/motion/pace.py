@@ -51,13 +51,14 @@ def fastest(limits: Limits, stops: Sequence[int], position: float, speed: float)
     passes = 1 if limits.model.effort.even else _PASSES
     for turn in range(passes):
         planes = limits.half_planes(x).between(first, last, float(nodes[first] - position)).halved(tight)
+        free = planes.ceiling
         planes = slowing(planes, speed**2)
         most = controllable(planes, ahead)
         if turn == passes - 1 and speed**2 > most[0] * (1 + _ALIKE) + _STILL:
             raise StartTooFastError(f"{speed:.6g} m/s at the start, at most {np.sqrt(most[0]):.6g} m/s is possible")
         found = reached(planes, most, speed**2)
         x = np.concatenate([limits.ceiling[: first - 1], np.delete(found, tight + np.arange(1, len(tight) + 1))])
-    return timed(planes, position, found)
+    return timed(planes, position, found, planes.ceiling[:-1] > free[:-1])
 
 
 def slowing(planes: HalfPlanes, x: float) -> HalfPlanes:
@@ -100,10 +101,11 @@ def reached(planes: HalfPlanes, most: FloatArray, x_start: float) -> FloatArray:
     return np.array(_swept(x_start, most[:-1], most[1:], free, slope, offset))
 
 
-def timed(planes: HalfPlanes, begin: float, x: FloatArray) -> Timing:
+def timed(planes: HalfPlanes, begin: float, x: FloatArray, too_fast: BoolArray | bool = False) -> Timing:
     """Gives the timing from a path position `begin` in m with x = s'^2 (N+1,) at the nodes.
 
-    In an interval the acceleration is even, or as great as it may be between its ends' speeds, the greater of which is kept meanwhile.
+    In an interval the acceleration is even, or as great as it may be between its ends' speeds, the greater of which is kept meanwhile;
+    the lower one in the intervals too_fast (N,), which begin faster than they should.
     """
     left, right, widths = x[:-1], x[1:], planes.widths
     faster = np.maximum(left, right)
@@ -115,11 +117,13 @@ def timed(planes: HalfPlanes, begin: float, x: FloatArray) -> Timing:
     split = rising | falling
     ramp = np.where(rising, up, np.where(falling, down, np.inf))
     ramp_width = np.where(split, (right - left) / (2 * ramp), widths)
-    first_width = np.where(falling, widths - ramp_width, ramp_width)
-    first_u, second_u = np.where(rising, up, np.where(falling, 0.0, even)), np.where(falling, down, 0.0)
+    late = falling & ~too_fast
+    kept = np.where(falling & too_fast, right, faster)
+    first_width = np.where(late, widths - ramp_width, ramp_width)
+    first_u, second_u = np.where(late, 0.0, np.where(split, ramp, even)), np.where(late, down, 0.0)
     index = np.repeat(np.arange(len(widths)), 1 + split)
     second = np.append(False, index[1:] == index[:-1])
-    x_begin, x_end = np.where(second, faster[index], left[index]), np.where(split[index] & ~second, faster[index], right[index])
+    x_begin, x_end = np.where(second, kept[index], left[index]), np.where(split[index] & ~second, kept[index], right[index])
     length = np.where(second, (widths - first_width)[index], first_width[index])
     nodes = begin + np.concatenate([[0.0], np.cumsum(widths)])
     position = nodes[index] + np.where(second, first_width[index], 0.0)

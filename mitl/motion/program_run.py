@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Generator, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -135,12 +136,12 @@ class ProgramRun:
 
     @property
     def speed_ratio(self) -> float:
-        """The share of programmed speeds, for what is planned from now on."""
-        return self._motion.speed_ratio
+        """Gives the operator's share of programmed speeds."""
+        return self._motion.ratios.operator
 
-    @speed_ratio.setter
-    def speed_ratio(self, share: float) -> None:
-        self._motion.speed_ratio = share
+    def set_speed_ratio(self, share: float, now: float) -> None:
+        """Puts the operator's share of programmed speeds in force at `now` s, for the motion under way too. Raises MotionError."""
+        self._motion.change_speed(replace(self._motion.ratios, operator=share), now)
 
     # --- time ----------------------------------------------------------------------------------------------------------------
 

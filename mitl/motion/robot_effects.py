@@ -108,10 +108,6 @@ class RobotEffects:
                 most = (math.inf if limit is None else limit for limit in (effect.acceleration, effect.deceleration))
                 acceleration, deceleration = most
                 self._dynamics = replace(self._dynamics, path_acceleration=acceleration, path_deceleration=deceleration)
-            case effects.RefreshSpeed():
-                self.motion.refreshed = effect.override / 100
-                if self.motion.standing_from() > now:
-                    self._warn(now, "SpeedRefresh", "SpeedRefresh is for moves planned from now on: the motion under way keeps its speed")
             case effects.LimitWorldAcceleration():
                 if effect.acceleration is not None:
                     raise refusal(effect, "a limit of acceleration in the world (WorldAccLim \\On) is not simulated; PathAccLim is")
@@ -128,6 +124,10 @@ class RobotEffects:
             case _:
                 return False
         return True
+
+    def refresh_speed(self, effect: effects.RefreshSpeed, now: float) -> None:
+        """Puts the program's share of all speeds in force, for the motion under way too."""
+        self.motion.change_speed(replace(self.motion.ratios, program=effect.override / 100), now)
 
     def stop(self, now: float, kind: StopKind) -> float:
         """Stops the arm along its path; gives the time in s from which on it stands."""

@@ -197,7 +197,10 @@ class TaskRun:
                 raise refusal(effect, "externally guided motion is not supported by this controller")
             case effects.GuidedMove() | effects.ReadGuidanceState():
                 raise refusal(effect, "externally guided motion is not supported by this controller")
-            case effects.ReadSpeedOverride() | effects.ReadSystem() | effects.ReadEvent():
+            case effects.ReadSpeedOverride():
+                ratios = self._robot_of(effect).motion.ratios
+                return self._reading(now, lambda _: 100 * ratios.operator)
+            case effects.ReadSystem() | effects.ReadEvent():
                 raise refusal(effect, f"{type(effect).__name__} is not supported by this controller")
             case _:
                 return self._motion_changed(effect, now)
@@ -230,6 +233,8 @@ class TaskRun:
         if isinstance(effect, effects.ClearMotion | effects.StoreMotion) and robot.followed.follows:
             raise refusal(effect, "the path cannot be cleared or put aside while the robot follows a conveyor")
         match effect:
+            case effects.RefreshSpeed():
+                return Waiting(since=now, event=self._here(now), reply=lambda time: robot.refresh_speed(effect, time))
             case effects.WaitWorkObject():
                 return self._work_object_awaited(robot.followed, effect, now)
             case effects.DropWorkObject():
