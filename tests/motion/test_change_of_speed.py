@@ -1,4 +1,4 @@
-r"""Speed ratio and SpeedRefresh act on the motion under way: at once, along the same path, with what is tied to places still at its place."""
+r"""Speed ratio and SpeedRefresh act on the motion under way: along the same path, triggers at their places."""
 
 import numpy as np
 import pytest
@@ -114,7 +114,9 @@ def test_speedrefresh_between_fly_by_moves_acts_where_the_program_is_then(prepar
 
 def test_speedrefresh_0_lets_the_arm_stand_on_its_path_until_it_is_raised(prepared):
     trap = "SpeedRefresh 0; WaitTime 1; SpeedRefresh 100;"
-    run = prepared("CONNECT i1 WITH noted;", "ISignalDI diGo,1,i1;", LINE, "SetDO doDone,1;", trap=trap, inputs=[InputChange("diGo", 1, 2.0)])
+    run = prepared(
+        "CONNECT i1 WITH noted;", "ISignalDI diGo,1,i1;", LINE, "SetDO doDone,1;", trap=trap, inputs=[InputChange("diGo", 1, 2.0)]
+    )
     run_until(run, 60.0)
     standing, plain = run.record.planned_tcp(np.linspace(2.3, 3.0, 50)), prepared(LINE)
     run_until(plain, 60.0)
