@@ -32,6 +32,7 @@ _FRESH = 0.1
 """Seconds after which the last sample is no longer the present one."""
 _RECONNECT_EVERY, _LOOK_FOR_QUIT = 1.0, 0.1
 _BUTTONS = 0x7FFF
+_Columns = tuple[NDArray[Any], ...]
 
 
 class OpenVrTracker:
@@ -59,8 +60,8 @@ class OpenVrTracker:
         self.device = chosen(self._runtime.devices(), serial)
         self._lock = threading.Lock()
         self._recording = False
-        self._recorded: SampleStore | None = None
-        self._averaging: SampleStore | None = None
+        self._recorded: _Samples | None = None
+        self._averaging: _Samples | None = None
         self._last = b""
         self._session = self._accepted = 0
         self._quit_seen = self._tried = 0.0
@@ -73,7 +74,7 @@ class OpenVrTracker:
         """Starts recording a new path."""
         self._refuse_if_lost()
         with self._lock:
-            self._recorded, self._recording = SampleStore(_RECORD.itemsize), True
+            self._recorded, self._recording = _Samples(), True
 
     def stop(self) -> PosePath:
         """Stops recording and gives the whole path."""
@@ -90,15 +91,15 @@ class OpenVrTracker:
         with self._lock:
             if self._recorded is None:
                 raise RigError("the tracker was not started: call start() before asking for a path")
-            store = self._recorded
-        return decoded(store.blocks())
+            recorded = self._recorded
+        return recorded.decoded()
 
     def latest(self) -> PosePath:
         """Gives the most recent sample as a path of length one."""
         self._refuse_if_lost()
         with self._lock:
             content = self._recent()
-        path = decoded([content]).path
+        path = joined([_decoded(content)]).path
         if not len(path) or self._now() - float(path.time[0]) > _FRESH:
             raise RigError("the tracker gives no samples: is SteamVR running?")
         if not path.valid[0]:
@@ -110,11 +111,11 @@ class OpenVrTracker:
         self._refuse_if_lost()
         self._clock.wait(self._settle)
         with self._lock:
-            self._averaging = SampleStore(_RECORD.itemsize)
+            self._averaging = _Samples()
         self._clock.wait(seconds)
         with self._lock:
-            content, self._averaging = self._averaging.blocks(), None
-        window = decoded(content).path
+            averaged, self._averaging = self._averaging, None
+        window = averaged.decoded().path
         if not window.valid.any():
             raise RigError(f"the tracker is lost: none of {len(window)} samples in {seconds} s is valid{self._why()}")
         return average(window)
@@ -160,7 +161,7 @@ class OpenVrTracker:
 
     def _recent(self) -> bytes:
         """Gives the last sample; while recording, the last of the path, so that both agree."""
-        return (self._recorded.last() or self._last) if self._recording and self._recorded is not None else self._last
+        return (self._recorded.store.last() or self._last) if self._recording and self._recorded is not None else self._last
 
     def _take(self, now: float) -> None:
         """Takes one sample, in the sampling thread."""
@@ -169,9 +170,9 @@ class OpenVrTracker:
         with self._lock:
             self._last = record
             if self._recording and self._recorded is not None:
-                self._recorded.append(record)
+                self._recorded.store.append(record)
             if self._averaging is not None:
-                self._averaging.append(record)
+                self._averaging.store.append(record)
 
     def _read(self, now: float) -> tuple[bytes, int]:
         if self._runtime is None:
@@ -216,12 +217,25 @@ def chosen(devices: list[DeviceInfo], serial: str) -> DeviceInfo:
     return matching[0]
 
 
-def decoded(blocks: Sequence[bytes]) -> TrackerSamples:
-    """Gives samples from blocks of their bytes; those without a place are told as (0, 0, 0), not turned, and not valid.
+class _Samples:
+    """Samples of one recording. Each block is decoded once, so that asking again for a path that grows costs what is new of it."""
 
-    Block by block, so that the sampling thread gets its turn between two (`sample_store`).
-    """
-    parts = [_decoded(np.frombuffer(block, dtype=_RECORD)) for block in blocks] or [_decoded(np.zeros(0, dtype=_RECORD))]
+    def __init__(self) -> None:
+        self.store = SampleStore(_RECORD.itemsize)
+        self._parts: list[_Columns] = []
+        self._lock = threading.Lock()
+
+    def decoded(self) -> TrackerSamples:
+        with self._lock:
+            full, newest = self.store.blocks(after=len(self._parts))
+            for block in full:
+                self._parts.append(_decoded(block))
+            parts = [*self._parts, _decoded(newest)]
+        return joined(parts)
+
+
+def joined(parts: Sequence[_Columns]) -> TrackerSamples:
+    """Gives samples of columns that follow each other, without those whose time is not after the one before."""
     time, position, quaternion, valid, result, buttons, velocity = (np.concatenate(columns) for columns in zip(*parts, strict=True))
     later = np.concatenate([np.ones(min(1, len(time)), dtype=np.bool_), np.diff(time) > 0])
     if not later.all():
@@ -231,8 +245,12 @@ def decoded(blocks: Sequence[bytes]) -> TrackerSamples:
     return TrackerSamples(PosePath(time, position, quaternion, valid), result, buttons, velocity)
 
 
-def _decoded(records: NDArray[np.void]) -> tuple[NDArray[Any], ...]:
-    """Gives time, position, quaternion, validity, result code, buttons and velocity of records (N,)."""
+def _decoded(content: bytes) -> _Columns:
+    """Gives time, position, quaternion, validity, result code, buttons and velocity of records.
+
+    Those without a place are told as (0, 0, 0), not turned, and not valid.
+    """
+    records = np.frombuffer(content, dtype=_RECORD)
     matrix = records["pose"]["matrix"].astype(np.float64)
     position, turn = matrix[:, :, 3], matrix[:, :, :3]
     proper = np.abs(np.linalg.det(turn) - 1.0) < 1e-2

@@ -29,10 +29,10 @@ class SampleStore:
                 self._blocks.append(bytes(self._newest))
                 self._newest = bytearray()
 
-    def blocks(self) -> list[bytes]:
-        """Gives all records so far, in order, as blocks of some."""
+    def blocks(self, after: int = 0) -> tuple[list[bytes], bytes]:
+        """Gives the blocks that are full, from the `after`-th on, and the records since; a full block never changes again."""
         with self._lock:
-            return [*self._blocks, bytes(self._newest)] if self._newest else list(self._blocks)
+            return self._blocks[after:], bytes(self._newest)
 
     def last(self) -> bytes:
         """Gives the last record, empty where there is none."""
