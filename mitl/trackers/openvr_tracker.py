@@ -22,7 +22,7 @@ from mitl.protocols import AveragedPoint, Clock
 from mitl.samples import TrackerSamples
 from mitl.trackers.openvr_runtime import POSE, DeviceInfo, OpenVrRuntime, RuntimeGoneError
 from mitl.trackers.sample_store import SampleStore
-from mitl.trackers.sampling import Sampler, SamplingStatistics
+from mitl.trackers.sampling import Sampler, SamplingStatistics, before_others
 
 RATE = 250.0
 SETTLE = 0.2
@@ -92,14 +92,16 @@ class OpenVrTracker:
             if self._recorded is None:
                 raise RigError("the tracker was not started: call start() before asking for a path")
             recorded = self._recorded
-        return recorded.decoded()
+        with before_others():
+            return recorded.decoded()
 
     def latest(self) -> PosePath:
         """Gives the most recent sample as a path of length one."""
         self._refuse_if_lost()
         with self._lock:
             content = self._recent()
-        path = joined([_decoded(content)]).path
+        with before_others():
+            path = joined([_decoded(content)]).path
         if not len(path) or self._now() - float(path.time[0]) > _FRESH:
             raise RigError("the tracker gives no samples: is SteamVR running?")
         if not path.valid[0]:
@@ -115,7 +117,8 @@ class OpenVrTracker:
         self._clock.wait(seconds)
         with self._lock:
             averaged, self._averaging = self._averaging, None
-        window = averaged.decoded().path
+        with before_others():
+            window = averaged.decoded().path
         if not window.valid.any():
             raise RigError(f"the tracker is lost: none of {len(window)} samples in {seconds} s is valid{self._why()}")
         return average(window)

@@ -10,11 +10,13 @@ import os
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 _JOIN = 5.0
 _PRIORITY = 10
+_BRIEF = 1
 _SWITCH = 5e-4
 """Seconds after which a thread that computes in Python lets the sampling have its turn; Python's own 5 ms would be more than a period."""
 
@@ -88,6 +90,28 @@ class Sampler:
                 count += 1 + missed
         except BaseException as error:  # noqa: BLE001 - kept for whoever asks for samples next, who raises it
             self.problem = error
+
+
+@contextmanager
+def before_others() -> Iterator[None]:
+    """Lets the calling thread run before all that is not real-time, after the sampling, for some milliseconds of work.
+
+    Whoever computes holds Python's interpreter, and the sampling waits for it; on a busy computer the system may take the processor away
+    from it meanwhile, and the sampling, real-time as it is, waits for other programs. Nothing where the system does not allow it.
+    """
+    if sys.platform != "linux":
+        yield
+        return
+    policy, parameters = os.sched_getscheduler(0), os.sched_getparam(0)
+    try:
+        os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(_BRIEF))
+    except OSError:
+        yield
+        return
+    try:
+        yield
+    finally:
+        os.sched_setscheduler(0, policy, parameters)
 
 
 def _prefer_this_thread() -> bool:

@@ -1,11 +1,14 @@
 """Sampling keeps absolute deadlines and counts what it misses."""
 
+import contextlib
+import os
+import sys
 import time
 
 import numpy as np
 import pytest
 
-from mitl.trackers.sampling import Sampler
+from mitl.trackers.sampling import Sampler, before_others
 
 
 def run(take, *, rate=200.0, seconds=0.4):
@@ -51,3 +54,13 @@ def test_a_problem_ends_it_and_is_kept():
 def test_a_silly_rate_is_refused():
     with pytest.raises(ValueError, match="1 to 1000"):
         Sampler(print, 0.0)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="scheduling policies are Linux's")
+def test_a_thread_is_before_others_for_its_work_and_no_longer():
+    before = os.sched_getscheduler(0)
+    with contextlib.suppress(ZeroDivisionError), before_others():
+        allowed = os.sched_getscheduler(0) == os.SCHED_RR
+        assert allowed or os.sched_getscheduler(0) == before
+        assert 1 / 0
+    assert os.sched_getscheduler(0) == before
