@@ -9,6 +9,7 @@ import numpy as np
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from mitl.calibration.distortion import Distortion, distortion_matrix
+from mitl.calibration.pose_set import CalibrationError
 from mitl.paths import FloatArray, PosePath
 from mitl.poses import path_of_transforms, transform_of
 
@@ -57,6 +58,7 @@ class Calibration:
     position_noise, rotation_noise: the same as the residuals show it; the covariance rests on these.
     flange_sigma, flange_turn_sigma: per axis, m and rad, what the covariance means for a flange pose, rms over the poses used.
     pose_count: poses used. provenance: free text by key, kept in the file.
+    positions_only: the tracker tells no orientation; X_FM's is the identity by definition, and only `points` means something of a path.
     """
 
     X_LB: FloatArray
@@ -75,6 +77,7 @@ class Calibration:
     flange_turn_sigma: float
     pose_count: int
     rejected: tuple[Rejection, ...] = ()
+    positions_only: bool = False
     provenance: dict[str, str] = field(default_factory=dict)
 
     def flange_path(self, path: PosePath) -> PosePath:
@@ -117,6 +120,8 @@ class Calibration:
         return float(np.sqrt(self.flange_turn_sigma**2 + max(0.0, excess)))
 
     def _flange(self, path: PosePath) -> RigidTransform:
+        if self.positions_only:
+            raise CalibrationError("this calibration is of a tracker that tells positions alone: no flange or tool can be told from it")
         position = np.linalg.solve(distortion_matrix(self.scale, self.skew), path.position.T).T
         X_LM = RigidTransform.from_components(position, Rotation.from_quat(path.quaternion_wxyz, scalar_first=True))
         return transform_of(self.X_LB).inv() * X_LM * transform_of(self.X_FM).inv()

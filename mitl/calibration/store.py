@@ -48,6 +48,7 @@ def save_calibration(
         f"flange_sigma = {c.flange_sigma!r}",
         f"flange_turn_sigma = {c.flange_turn_sigma!r}",
         f"pose_count = {c.pose_count}",
+        *(["positions_only = true"] if c.positions_only else []),
         "covariance = [",
         *(f"  {_row(row)}," for row in c.covariance),
         "]",
@@ -118,6 +119,7 @@ def load_calibration_and_reference(path: Path) -> tuple[Calibration, AveragedPoi
         flange_turn_sigma=reader.number("flange_turn_sigma"),
         pose_count=reader.integer("pose_count"),
         rejected=tuple(reader.rejections()),
+        positions_only=reader.flag("positions_only"),
         provenance={key: str(value) for key, value in reader.table("provenance").items()},
     )
     return calibration, reader.reference() if "reference" in table else None
@@ -155,6 +157,13 @@ class _Reader:
         value = self._get(key, "a whole number")
         if isinstance(value, bool) or not isinstance(value, int):
             raise self._wrong(key, "a whole number")
+        return value
+
+    def flag(self, key: str) -> bool:
+        """Gives a key that is false where it is missing."""
+        value = self._table.get(key, False)
+        if not isinstance(value, bool):
+            raise self._wrong(key, "true or false")
         return value
 
     def text(self, key: str) -> str:

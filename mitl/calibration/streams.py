@@ -5,7 +5,7 @@ Invariant: both streams stay on their own clocks; only windows in which the robo
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.signal import correlate
@@ -15,6 +15,7 @@ from mitl.calibration.choice import choose_distortion
 from mitl.calibration.distortion import Distortion
 from mitl.calibration.known_offset import refine_offset
 from mitl.calibration.pose_set import CalibrationError, CalibrationPoses
+from mitl.calibration.positions_only import calibrate_positions
 from mitl.calibration.result import Calibration
 from mitl.calibration.solve import calibrate
 from mitl.calibration.time_offset import TimeOffset, time_offset
@@ -49,22 +50,42 @@ def calibrate_streams(flange: PosePath, tracker: PosePath, distortion: Distortio
     coarse = turning_offset(flange, tracker) or time_offset(flange, tracker)
     if not np.isfinite(coarse.sigma):
         raise CalibrationError("the clocks' offset cannot be told: robot and tracker do not show the same motion; record some of it")
-    poses = still_poses(flange, tracker.shifted(coarse.seconds))
-    _require_orientation(poses)
-    solved = calibrate(poses, distortion=distortion or choose_distortion(poses))
-    fine = refine_offset(flange, solved.flange_path(tracker).only_valid(), coarse.seconds)
+
+    def solved(poses: CalibrationPoses) -> Calibration:
+        if without_orientation(poses):
+            return calibrate_positions(poses, distortion)
+        return calibrate(poses, distortion=distortion or choose_distortion(poses))
+
+    first = solved(still_poses(flange, tracker.shifted(coarse.seconds)))
+    if first.positions_only:
+        fine = refine_offset(body_path(flange, first), places(tracker, first).only_valid(), coarse.seconds)
+    else:
+        fine = refine_offset(flange, first.flange_path(tracker).only_valid(), coarse.seconds)
     offset = fine if np.isfinite(fine.sigma) else coarse
     poses = still_poses(flange, tracker.shifted(offset.seconds), margin=0.0 if offset is fine else _MARGIN)
-    return StreamCalibration(calibrate(poses, distortion=distortion or choose_distortion(poses)), poses, offset)
+    return StreamCalibration(solved(poses), poses, offset)
 
 
-def _require_orientation(poses: CalibrationPoses) -> None:
-    """Raises CalibrationError where the tracker tells positions alone, as a reflector of a laser tracker does."""
-    if len(poses) > 1 and np.ptp(poses.tracked[:, 3:], axis=0).max() == 0.0 and np.ptp(poses.flange[:, 3:], axis=0).max() > 0.0:
-        raise CalibrationError(
-            "the tracker's orientation never changes while the flange turns: name its columns (qw qx qy qz, ez ey ex or rx ry rz);"
-            " a tracker that tells positions alone cannot be calibrated"
-        )
+def without_orientation(poses: CalibrationPoses) -> bool:
+    """Gives whether the tracker tells positions alone, as a reflector of a laser tracker does: nothing turns while the flange does."""
+    if len(poses) < 2:
+        return False
+    return bool(np.ptp(poses.tracked[:, 3:], axis=0).max() == 0.0 and np.ptp(poses.flange[:, 3:], axis=0).max() > 0.0)
+
+
+def body_path(flange: PosePath, calibration: Calibration) -> PosePath:
+    """Gives where the tracked body is in the robot's base, not turned, as the flange's path X_BF says."""
+    turned = Rotation.from_quat(flange.quaternion_wxyz, scalar_first=True).apply(calibration.X_FM[:3])
+    return replace(flange, position=flange.position + turned, quaternion_wxyz=_unturned(flange))
+
+
+def places(tracker: PosePath, calibration: Calibration) -> PosePath:
+    """Gives where the tracked body is in the robot's base, not turned, as the tracker's path X_LM says."""
+    return replace(tracker, position=calibration.points(tracker), quaternion_wxyz=_unturned(tracker))
+
+
+def _unturned(path: PosePath) -> FloatArray:
+    return np.tile([1.0, 0.0, 0.0, 0.0], (len(path), 1))
 
 
 def turning_offset(flange: PosePath, tracker: PosePath) -> TimeOffset | None:

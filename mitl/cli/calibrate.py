@@ -222,6 +222,7 @@ def _as_json(c: Calibration, poses: CalibrationPoses, offset: TimeOffset | None)
     }
     return {
         "model": c.distortion.value,
+        "positions_only": c.positions_only,
         "poses": len(poses),
         "used": c.pose_count,
         "X_LB": c.X_LB.tolist(),
@@ -245,7 +246,8 @@ def _text(told: dict[str, Any]) -> str:
     def row(values: list[float], factor: float = 1.0, digits: int = 3) -> str:
         return " ".join(f"{value * factor:.{digits}f}" for value in values)
 
-    lines = [f"model         {told['model']}; {told['used']} of {told['poses']} poses used"]
+    alone = ", positions alone: the tracker tells no orientation" if told["positions_only"] else ""
+    lines = [f"model         {told['model']}; {told['used']} of {told['poses']} poses used{alone}"]
     for name in ("X_LB", "X_FM"):
         sd = told[f"{name}_sd"]
         pose = told[name]

@@ -6,19 +6,20 @@ pass of the rest.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from mitl.calibration.known_offset import refine_offset
 from mitl.calibration.result import Calibration
-from mitl.calibration.streams import turning_offset
+from mitl.calibration.streams import body_path, places, turning_offset
 from mitl.calibration.time_offset import TimeOffset, time_offset
 from mitl.errors import RigError
 from mitl.metrics.decision import Decision, decide
 from mitl.metrics.deviation import LargestDeviation, largest_deviation
 from mitl.metrics.glitch import without_glitches
-from mitl.metrics.path import PathDeviation, path_deviation
+from mitl.metrics.path import PathDeviation, interpolate, path_deviation
 from mitl.metrics.speed import speed
 from mitl.metrics.uncertainty import DRIFT_SD, Budget, Term, position_budget
 from mitl.outcome import Outcome, worst
@@ -104,7 +105,8 @@ def judged_path(
     """Judges the moves `first` to `last` (None: all that follow) of an oracle by a tracker's path X_LM on a clock of its own.
 
     The clocks' offset is fitted to the first of these moves, as far as it tells it, so that what comes later at a wrong time is seen;
-    that all comes late by the same time is not. drift: m, what the tracker may have drifted since its calibration. Raises RigError
+    that all comes late by the same time is not. A tracker that tells positions alone has no check of the orientation, and the tool is
+    taken to be turned as it should be. drift: m, what the tracker may have drifted since its calibration. Raises RigError
     where the recording does not show the motion, or not all of it.
     """
     last = int(expected.move.max(initial=0.0)) if last is None else last
@@ -113,12 +115,17 @@ def judged_path(
         first_ends = expected.during(first, first)[1]
     except ValueError as error:
         raise RigError(str(error)) from error
-    flange = calibration.flange_path(without_glitches(tracked)).only_valid()
-    offset = _offset(expected.flange, flange, begin, first_ends, end)
-    flange = flange.shifted(offset.seconds)
+    cleaned = without_glitches(tracked)
+    if calibration.positions_only:
+        seen, known = places(cleaned, calibration).only_valid(), body_path(expected.flange, calibration)
+    else:
+        seen, known = calibration.flange_path(cleaned).only_valid(), expected.flange
+    offset = _offset(known, seen, begin, first_ends, end)
+    flange = seen.shifted(offset.seconds)
     begin, end = begin + _EDGE, end - _EDGE
     _require_all(expected.tool.time[(expected.tool.time >= begin) & (expected.tool.time <= end)], flange.time)
-    tool = _tool(expected, flange.between(begin, end))
+    flange = flange.between(begin, end)
+    tool = _tool(expected, _turned(expected, flange, calibration) if calibration.positions_only else flange)
     deviation = path_deviation(expected.tool, tool)
     return PathVerdict(_checks(expected, deviation, calibration, limits, drift, offset), offset, tool)
 
@@ -148,6 +155,13 @@ def _require_all(wanted: FloatArray, given: FloatArray) -> None:
         raise RigError(f"the tracker gave no valid pose {where} of the oracle's clock: what was not seen is not judged")
 
 
+def _turned(expected: ExpectedPath, body: PosePath, calibration: Calibration) -> PosePath:
+    """Gives the flange X_BF of a body that tells its place alone: turned as it should be, so that the place's deviation is the tool's."""
+    should = interpolate(expected.flange, body.time)
+    turned = Rotation.from_quat(should.quaternion_wxyz, scalar_first=True).apply(calibration.X_FM[:3])
+    return replace(should, position=body.position - turned)
+
+
 def _tool(expected: ExpectedPath, flange: PosePath) -> PosePath:
     """Gives the measured tool X_BT: X_BF with the tool that the oracle has at the nearest sample."""
     middle = 0.5 * (expected.tool.time[1:] + expected.tool.time[:-1])
@@ -171,6 +185,12 @@ def _checks(
         budget = budget.with_term("oracle", known, "robot model, against the real arm")
         return PathCheck(name, largest.value, limit, "m", budget, largest.time, decide(largest.value, limit, budget.combined))
 
+    of_place = (
+        position("path deviation at the same time", deviation.vector, limits.in_time, timed=True),
+        position("distance from the path", deviation.nearest, limits.shape, timed=False),
+    )
+    if calibration.positions_only:
+        return of_place
     turn = largest_deviation(deviation.time, deviation.turn)
     of_turn = Budget(
         (
@@ -180,8 +200,7 @@ def _checks(
         )
     )
     return (
-        position("path deviation at the same time", deviation.vector, limits.in_time, timed=True),
-        position("distance from the path", deviation.nearest, limits.shape, timed=False),
+        *of_place,
         PathCheck(
             "orientation along the path",
             turn.value,

@@ -157,8 +157,22 @@ def test_an_oracle_that_cannot_judge_is_refused_with_the_command_that_makes_one_
     assert "only to judge" in capsys.readouterr().err
 
 
-def test_a_tracker_of_positions_alone_is_told_what_it_lacks(lab, capsys):
-    positions = "t=Stamp,x=Pos X,y=Pos Y,z=Pos Z,time=ms,length=mm"
-    words = ["calibrate", lab / "poses.csv", "--columns", positions, "--flange", lab / "robot.csv", "--flange-columns", COLUMNS]
-    assert run([str(word) for word in words]) == 4
-    assert "orientation never changes" in capsys.readouterr().err
+POSITIONS = "t=Stamp,x=Pos X,y=Pos Y,z=Pos Z,time=ms,length=mm"
+
+
+@pytest.fixture(scope="module")
+def reflector(lab):
+    words = ["calibrate", lab / "poses.csv", "--columns", POSITIONS, "--flange", lab / "robot.csv", "--flange-columns", COLUMNS]
+    assert run([str(word) for word in [*words, "--output", lab / "reflector.toml"]]) == 0
+    return lab
+
+
+@pytest.mark.parametrize(("take", "code", "about"), [("good.csv", 0, 1.0), ("wrong.csv", 1, 15.0)])
+def test_a_tracker_of_positions_alone_judges_places_and_no_orientation(reflector, capsys, take, code, about):
+    files = [str(reflector / name) for name in ("seam.mcap", take)]
+    options = ["--columns", POSITIONS, "--calibration", str(reflector / "reflector.toml"), "--drift", "0.2", "--format", "json"]
+    capsys.readouterr()
+    assert run(["compare", *files, *options]) == code
+    checks = json.loads(capsys.readouterr().out)["checks"]
+    assert [check["name"] for check in checks] == ["path deviation at the same time", "distance from the path"]
+    assert checks[0]["value"] == pytest.approx(about, abs=1.5)
