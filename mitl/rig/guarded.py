@@ -1,6 +1,7 @@
 """GuardedController: a physical robot behind everything that must hold before and while it moves. Implements Controller.
 
 Invariant: nothing moves unarmed, un-pre-flown, with another tool than the program's, or unwatched; whatever goes wrong, it is stopped.
+Nothing moves without the tracker but the nudge that wakes it.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from mitl.protocols import Clock, ExecutionState, LoggedEvent, Tracker
 from mitl.rig.frames import compare_frames
 from mitl.rig.guardian import Guardian
 from mitl.rig.heartbeat import BEAT, LOOKS, HeartBeat, with_heartbeat
+from mitl.rig.nudge import NAME, nudge_program
 from mitl.rig.physical_config import PhysicalConfig
 from mitl.rig.shadow import ORDER, Shadow
 from mitl.rig.watchdog import Watchdog
@@ -30,6 +32,8 @@ _THERE = 5e-3
 """rad by which the axes may still be off where the program waits for orders."""
 _SLOWEST, _LATEST, _POLL = 100.0, 10.0, 0.1
 """The least speed ratio is 1 per cent; and some seconds for what is no motion."""
+_NUDGED, _AGAIN = 60.0, 0.02
+"""Seconds that a nudge may take at the slowest, and between two looks at a tracker that shows nothing."""
 _HELD = 3
 """Orders for which each speed of a first pass is held."""
 _AUTO = "AUTO"
@@ -69,6 +73,8 @@ class GuardedController:
         period = config.safety.heartbeat_s / LOOKS
         self._heart = HeartBeat(lambda beat: controller.write(BEAT, beat), period, lambda: self._watchdog.alive)
         self._ramp: list[float] = []
+        self._blind = False
+        """Whether the motion under way is the nudge, which the tracker need not see."""
         self._held = False
         """Whether it was us who stopped the program that is loaded, on its way."""
         self._speed = config.safety.speed
@@ -202,6 +208,46 @@ class GuardedController:
                 if self._controller.mode() == _AUTO:
                     raise  # in manual mode nobody can have it, which `start` tells
 
+    @property
+    def armed(self) -> bool:
+        """Whether it may move."""
+        return self._armed
+
+    def nudge(self) -> None:
+        """Turns axis 6 a little to and fro where the robot stands: a tracker that sleeps shows nothing until it is moved.
+
+        Pre-flown, watched in its corridor and with its heartbeat as any motion; only the tracker need not see it. The program that was
+        loaded is gone. Raises RigError where the robot may not move or does not come back to where it stood.
+        """
+        self._require_armed()
+        self._require_power()
+        self._heart.rest()
+        self._shadow, self._sources, self._held = None, [], False
+        where = self._controller.joints()
+        with tempfile.TemporaryDirectory(prefix="mitl-nudge-") as folder:
+            file = Path(folder) / NAME
+            file.write_text(nudge_program(self._model, where), encoding="utf-8")
+            way = Shadow([file], self._model, where, self._workspace).begin()
+            guarded = Path(folder) / "guarded"
+            guarded.mkdir()
+            self._controller.load(with_heartbeat([file], guarded, self._safety.heartbeat_s, egm_device=self._egm_device))
+        self._blind = True
+        try:
+            self._watch(way)
+            self._controller.set_speed_ratio(min(self._safety.first_speed, self._safety.speed))
+            self._heart.go()
+            self._controller.start()
+            until = self._clock.now() + _NUDGED
+            while self.state() is ExecutionState.RUNNING:
+                if self._clock.now() > until:
+                    raise RigError(f"the nudge that wakes the tracker did not end within {_NUDGED:g} s")
+                self._clock.wait(_POLL)
+        finally:
+            self.stop()
+            self._blind = False
+        if np.abs(self._controller.joints() - where).max() > _THERE:
+            raise RigError("the nudge that wakes the tracker did not end where it began")
+
     def close(self) -> None:
         """Stops the robot, puts back what was found on the controller, and lets the guardian go."""
         try:
@@ -226,12 +272,29 @@ class GuardedController:
 
     def _require_ready(self) -> None:
         """Refuses to move while anything that must watch the motion does not."""
+        self._require_power()
+        self._require_tracker()
+
+    def _require_tracker(self) -> None:
+        """Never move blind; but a single sample that is not valid is no lost tracker."""
+        until = self._clock.now() + self._safety.tracker_lost_s
+        while True:
+            try:
+                self._tracker.latest()
+            except RigError:
+                if self._clock.now() >= until:
+                    raise
+                self._clock.wait(_AGAIN)
+            else:
+                return
+
+    def _require_power(self) -> None:
+        """Refuses to move unless the key, the motors and the watchers are as they must be."""
         if self._controller.mode() != _AUTO:
             raise RigError(f"the controller is in {self._controller.mode()}, expected AUTO: turn the key")
         state = self._controller.controller_state()
         if state != "motoron":
             raise RigError(f"the motors are not on (controller state {state}): switch them on at the cell, after a look at it")
-        self._tracker.latest()  # a lost tracker raises: never move blind
         if self._guardian is None:
             self._guardian = self._make_guardian()
         if not self._guardian.alive or not self._watchdog.alive:
@@ -272,7 +335,7 @@ class GuardedController:
         try:
             self._tracker.latest()
         except RigError as error:
-            if now - self._seen > self._safety.tracker_lost_s:
+            if not self._blind and now - self._seen > self._safety.tracker_lost_s:
                 return f"stopped by the watchdog: the tracker is lost for more than {self._safety.tracker_lost_s:g} s ({error})"
         else:
             self._seen = now

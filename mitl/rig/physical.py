@@ -23,12 +23,15 @@ from mitl.protocols import Rig
 from mitl.rig.guarded import GuardedController
 from mitl.rig.guardian import Guardian
 from mitl.rig.monotonic_clock import MonotonicClock
+from mitl.rig.nudge import WAKES
 from mitl.rig.physical_config import PhysicalConfig, read_physical
 from mitl.rig.remote import transport_to
 from mitl.trackers.openvr_runtime import OpenVrRuntime, PoseSource, Universe
 from mitl.trackers.openvr_tracker import OpenVrTracker
 
 _LOOK_AGAIN = 1.0
+_NUDGE_EVERY = 60.0
+"""Seconds between two nudges of a tracker that did not wake of the first: it may be hidden instead, or out of power."""
 _PACKAGES = ("drake", "numpy", "scipy", "ruckig", "openvr", "httpx")
 
 
@@ -92,15 +95,25 @@ def load_physical(file: Path, seed: int, faults: Sequence[str], *, armed: bool =
 def await_rig(controller: GuardedController, tracker: OpenVrTracker, clock: MonotonicClock, patience: float) -> None:
     """Waits until the controller answers and the tracker sees. Raises RigError with what is missing after `patience` s.
 
-    A SteamVR that was started again is taken on with its new frame, for which `Rig.frame` then gives another number.
+    A SteamVR that was started again is taken on with its new frame, for which `Rig.frame` then gives another number. A tracker that shows
+    nothing may be asleep: the robot, if it is armed, nudges it.
     """
     until = clock.now() + patience
+    nudge_at = clock.now()
     while True:
         try:
             controller.look()
             if tracker.restarted:
                 tracker.accept_frame()
-            tracker.latest()
+            try:
+                tracker.latest()
+            except RigError:
+                if not controller.armed or clock.now() < nudge_at or clock.now() >= until:
+                    raise
+                nudge_at = clock.now() + _NUDGE_EVERY
+                controller.nudge()
+                clock.wait(WAKES)
+                tracker.latest()
         except RigError as error:
             if clock.now() >= until:
                 raise RigError(f"the rig is not there, also after {patience:g} s: {error}") from error

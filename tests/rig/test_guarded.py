@@ -195,6 +195,41 @@ def test_a_lost_tracker_starts_nothing_and_stops_what_moves(make):
         bench.controller.state()
 
 
+def test_a_sleeping_tracker_is_nudged_awake_and_the_robot_stands_where_it_stood(make):
+    bench = make()
+    before, seen = bench.joints(), []
+
+    def latest():
+        seen.append(bench.joints())
+        if np.ptp([joints[5] for joints in seen]) < 2.0:
+            raise RigError("the tracker is lost")
+
+    bench.tracker.latest = latest
+    await_rig(bench.controller, bench.tracker, bench.clock, 30.0)
+    assert bench.joints() == pytest.approx(before, abs=1e-3)
+    assert np.ptp(seen, axis=0)[:5] == pytest.approx(0.0, abs=1e-3), "no other axis moved"
+    assert not bench.cell.running
+    bench.running()
+    bench.controller.write("option", "1")
+    bench.until(lambda: bench.controller.read("option") == "0")
+
+
+def test_unarmed_a_sleeping_tracker_is_told_and_nothing_moves(make):
+    bench = make(armed=False)
+    before, bench.tracker.lost = bench.joints(), True
+    with pytest.raises(RigError, match="not there, also after 1 s: the tracker is lost"):
+        await_rig(bench.controller, bench.tracker, bench.clock, 1.0)
+    assert bench.joints() == pytest.approx(before, abs=1e-9)
+
+
+def test_one_sample_that_is_not_valid_is_no_lost_tracker(make):
+    bench = make().running()
+    bench.tracker.lost = True
+    threading.Timer(0.2, lambda: setattr(bench.tracker, "lost", False)).start()
+    bench.controller.write("option", "1")
+    bench.until(lambda: bench.controller.read("option") == "0")
+
+
 def test_a_robot_that_leaves_its_pre_flown_way_is_stopped(make):
     bench = make(faults=("axis-sign=1",), corridor_mm=30.0).running()
     bench.controller.write("option", "2")
