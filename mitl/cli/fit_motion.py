@@ -69,6 +69,9 @@ def fit_motion_command(
     if form == "json":
         told = {
             "rms_deg": float(np.degrees(fit.rms)),
+            "noise_deg": float(np.degrees(fit.misfit.noise)),
+            "held_out_rms_deg": float(np.degrees(fit.misfit.held_out)),
+            "trusted": fit.misfit.trusted,
             "offsets_s": list(fit.offsets),
             "parameters": [
                 {"name": p.parameter.name, "keys": list(p.parameter.keys), "factor": p.factor, "sigma": p.sigma if p.told else None}
@@ -98,6 +101,13 @@ def fit_motion_command(
                 f"  {band.kind.value:7} up to {1e3 * band.up_to:6.0f} mm/s   path {1e3 * band.path:.3f} mm, "
                 f"turn {np.degrees(band.turn):.4f} deg, time {1e3 * band.time:.1f} ms"
             )
+    if not fit.misfit.trusted:
+        click.echo(
+            f"warning: {np.degrees(fit.misfit.held_out):.4f} deg rms are left on the moves held out of the fit, {fit.misfit.ratio:.0f} times the "
+            f"log's noise: the model does not describe this arm or program, and its factors are no measurements. Their uncertainties have been "
+            f"widened by {fit.misfit.widening:.1f}; the bounds of held-out moves hold. Is it the right program, robot, tool?",
+            err=True,
+        )
     if output is not None:
         click.echo(
             f"{output}: use it by --robot ./{output}" if not output.is_absolute() else f"{output}: use it by --robot {output}", err=True

@@ -14,6 +14,7 @@ from scipy.optimize import OptimizeResult, least_squares
 
 from mitl.errors import UsageError
 from mitl.motion.effort import AxisLimits, FittedTorques
+from mitl.motion.fit_trust import CORRELATED, Misfit, noise_of
 from mitl.motion.offline import run_until, start_run
 from mitl.motion.program_run import ProgramRun
 from mitl.motion.record import TICK, View
@@ -27,8 +28,6 @@ KNOWN = 0.2
 """A factor whose standard uncertainty is larger is not told by the logs. ASSUMPTION A-275."""
 _NARROWEST, _WIDEST = 0.2, 5.0
 _STEP = 0.02
-_CORRELATED = 0.1
-"""Time in s over which a log's residuals count as one: a model's errors are smooth. ASSUMPTION A-275."""
 _LONGEST = 600.0
 _OFFSET_UNIT = 0.1
 _REST_SPEED = 5e-3
@@ -71,7 +70,10 @@ class FittedParameter:
 
 @dataclass(frozen=True, eq=False)
 class MotionFit:
-    """A fitted model, its parameters, and each log's offset in s: log time = program time + offset. runs: what the model does, by log."""
+    """A fitted model, its parameters, and each log's offset in s: log time = program time + offset. runs: what the model does, by log.
+
+    misfit: how far to trust the parameters' uncertainties, which it has widened.
+    """
 
     model: RobotModel
     parameters: tuple[FittedParameter, ...]
@@ -79,6 +81,7 @@ class MotionFit:
     runs: tuple[ProgramRun, ...]
     rms: float
     evaluations: int
+    misfit: Misfit
 
 
 def parameters_of(model: RobotModel) -> tuple[Parameter, ...]:
@@ -187,16 +190,19 @@ def fit_motion(
     factors[chosen], sigmas[chosen] = solved.x[: len(chosen)], sigma[: len(chosen)]
     model = with_factors(base, parameters, factors)
     found = offsets + _OFFSET_UNIT * (solved.x[len(chosen) :] - 1.0)
+    runs = tuple(_ran(log, model) for log in logs)
+    misfit = problem.misfit(runs, found)
     return MotionFit(
         model,
         tuple(
-            FittedParameter(parameter, float(factor), float(error), told=index in chosen)
+            FittedParameter(parameter, float(factor), float(error) * misfit.widening, told=index in chosen)
             for index, (parameter, factor, error) in enumerate(zip(parameters, factors, sigmas, strict=True))
         ),
         tuple(float(offset) for offset in found),
-        tuple(_ran(log, model) for log in logs),
+        runs,
         float(np.sqrt(np.mean(solved.fun**2))),
         problem.evaluations,
+        misfit,
     )
 
 
@@ -296,14 +302,28 @@ class _Problem:
         return found
 
     def sigmas(self, jacobian: FloatArray, residuals: FloatArray) -> FloatArray:
-        """Gives the standard uncertainties of the factors and offsets, residuals within _CORRELATED s counted as one."""
+        """Gives the standard uncertainties of the factors and offsets, residuals within CORRELATED s counted as one."""
         rate = 1.0 / float(np.median(np.concatenate([np.diff(log.time) for log in self._logs])))
-        variance = float(np.mean(residuals**2)) * max(rate * _CORRELATED, 1.0)
+        variance = float(np.mean(residuals**2)) * max(rate * CORRELATED, 1.0)
         singular, right = np.linalg.svd(jacobian, full_matrices=False)[1:]
         weak = singular <= 1e-6 * singular.max(initial=0.0)
         found = np.sqrt(variance * np.sum((right[~weak].T / singular[~weak]) ** 2, axis=1))
         blind = np.sum(right[weak] ** 2, axis=0)
         return np.asarray(np.where(blind > 1e-3, 1e3 * (1.0 + blind), found))
+
+    def misfit(self, runs: Sequence[ProgramRun], offsets: FloatArray) -> Misfit:
+        """Gives what runs of the fitted model leave unexplained beside the logs' noise."""
+        fitted, out, moves, seconds = [], [], 0, 0.0
+        for log, run, offset, used in zip(self._logs, runs, offsets, self._training, strict=True):
+            time = log.time - offset
+            left = run.record.joints(time, View.CONTROLLER) - log.joints
+            fitted.append(left[used].ravel())
+            out.append(left[~used].ravel())
+            moves += int((~held_out(run)).sum())
+            seconds += float(used.sum()) * float(np.median(np.diff(log.time)))
+        sizes = [float(np.sqrt(np.mean(np.concatenate(parts) ** 2))) if any(map(len, parts)) else 0.0 for parts in (fitted, out)]
+        noise = float(np.sqrt(np.mean([noise_of(log.joints) ** 2 for log in self._logs])))
+        return Misfit(noise, sizes[0], sizes[1], moves, seconds)
 
     def _runs(self, factors: FloatArray) -> list[ProgramRun]:
         key = tuple(factors.tolist())

@@ -1,6 +1,7 @@
 """Motion parameters from a controller's log: recovered from logs that our own planner made with other ones, noise and another clock."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from mitl.errors import UsageError
 from mitl.motion.accuracy import Kind, load_accuracy
 from mitl.motion.fit import JointLog, fit_motion, held_out, parameters_of, with_factors
 from mitl.motion.fit_residuals import residual_bands
+from mitl.motion.fit_trust import Misfit
 from mitl.motion.offline import run_until, start_run
 from mitl.motion.record import View
 from mitl.motion.robot_model import load_robot_model
@@ -108,3 +110,41 @@ def test_a_log_without_motion_is_refused(program):
     still = JointLog("still.csv", np.arange(100) / RATE, np.zeros((100, 6)), rapid_interp.load_text(program, "m.mod"))
     with pytest.raises(UsageError, match=r"still.csv: the arm stands still all along"):
         fit_motion([still], base)
+
+
+def test_a_log_that_the_model_explains_is_trusted_and_its_noise_is_known(fitted):
+    _, log, fit = fitted
+    assert fit.misfit.trusted
+    assert np.degrees(fit.misfit.noise) == pytest.approx(NOISE_DEG, rel=0.15)
+    assert fit.misfit.held_out < 2 * fit.misfit.noise
+    assert fit.misfit.moves + held_out(fit.runs[0]).sum() == len(fit.runs[0].record.moves)
+
+
+def test_an_arm_that_the_model_does_not_describe_widens_the_uncertainties_and_is_warned_of(program, fitted, tmp_path, monkeypatch, capsys):
+    _, log, fit = fitted
+    swaying = np.radians(0.1) * np.sin(2 * np.pi * 1.3 * log.time)  # of a base that is not bolted down, say
+    parameter = next(parameter for parameter in parameters_of(load_robot_model("irb140")) if parameter.name == "acceleration")
+    bad = fit_motion([replace(log, joints=log.joints + swaying[:, None])], load_robot_model("irb140"), parameters=[parameter])
+    assert not bad.misfit.trusted
+    assert bad.misfit.held_out > 10 * bad.misfit.noise
+    alone = np.sqrt(bad.misfit.seconds / (0.1 * bad.misfit.moves))
+    assert bad.misfit.widening == pytest.approx(alone * max(bad.misfit.held_out / bad.misfit.fitted, 1), rel=1e-9)
+    assert bad.misfit.widening > 1.5
+    good = next(found for found in fit.parameters if found.parameter.name == "acceleration")
+    assert bad.parameters[0].sigma > 5 * good.sigma
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("mitl.motion.fit.fit_motion", lambda *_: bad)
+    Path("m.mod").write_text(program, encoding="utf-8")
+    header = ",".join(["t_s", *(f"j{axis}_deg" for axis in range(1, 7))])
+    np.savetxt("log.csv", np.column_stack([log.time, np.degrees(log.joints)]), delimiter=",", header=header, comments="", fmt="%.9f")
+    with pytest.raises(SystemExit):
+        main(["fit-motion", "log.csv", "--program", "m.mod", "--format", "json"])
+    told = capsys.readouterr()
+    assert "no measurements" in told.err
+    assert json.loads(told.out)["trusted"] is False
+
+
+def test_moves_held_out_that_are_explained_worse_widen_the_uncertainties():
+    assert Misfit(noise=1e-4, fitted=1e-4, held_out=2e-4, moves=10, seconds=20).widening == 2
+    assert Misfit(noise=1e-4, fitted=1e-3, held_out=1e-3, moves=10, seconds=40).widening == pytest.approx(np.sqrt(40))
+    assert Misfit(noise=0, fitted=0, held_out=0, moves=0, seconds=0).widening == 1
