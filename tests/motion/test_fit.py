@@ -113,7 +113,7 @@ def test_a_log_without_motion_is_refused(program):
 
 
 def test_a_log_that_the_model_explains_is_trusted_and_its_noise_is_known(fitted):
-    _, log, fit = fitted
+    _, _, fit = fitted
     assert fit.misfit.trusted
     assert np.degrees(fit.misfit.noise) == pytest.approx(NOISE_DEG, rel=0.15)
     assert fit.misfit.held_out < 2 * fit.misfit.noise
