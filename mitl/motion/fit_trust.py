@@ -49,7 +49,7 @@ class Misfit:
 
     @property
     def widening(self) -> float:
-        """Gives the factor by which uncertainties grow that were told by the residuals of the moves fitted to, CORRELATED s by CORRELATED s.
+        """Gives the factor on uncertainties that were told by the residuals of the moves fitted to, CORRELATED s by CORRELATED s.
 
         Held-out moves say how large the model's errors are where it was not fitted to (the root of a reduced chi squared). Where these
         errors are the model's and not noise, those of a move are alike all along it, and count as one.
