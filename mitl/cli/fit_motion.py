@@ -103,7 +103,7 @@ def fit_motion_command(
             )
     if not fit.misfit.trusted:
         click.echo(
-            f"warning: {np.degrees(fit.misfit.held_out):.4f} deg rms are left on the moves held out of the fit, {fit.misfit.ratio:.0f} times "
+            f"warning: {np.degrees(fit.misfit.held_out):.4f} deg rms are left on the held-out moves, {fit.misfit.ratio:.0f} times "
             f"the log's noise: the model does not describe this arm or program, and its factors are no measurements. Their uncertainties "
             f"have been widened by {fit.misfit.widening:.1f}; the bounds of held-out moves hold. Is it the right program, robot, tool?",
             err=True,
