@@ -7,7 +7,7 @@ fitted ones, or much worse than the noise, uncertainties grow.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import comb
+from math import comb, radians, sqrt
 
 import numpy as np
 
@@ -17,14 +17,14 @@ CORRELATED = 0.1
 """Time in s over which a log's residuals count as one: a model's errors are smooth. ASSUMPTION A-275."""
 TRUSTED = 3.0
 """Times the noise up to which held-out residuals are those of the log and not of the model. ASSUMPTION A-262."""
-LEAST_NOISE = np.radians(1e-3)
+LEAST_NOISE = radians(1e-3)
 """What a log of joints in rad is taken to be uncertain by at least: its resolution. ASSUMPTION A-262."""
 _QUIETEST = 0.2
 _QUIETEST_OF_NORMAL = 0.2533
 """Below it lies a share _QUIETEST of the absolute values of a standard normal distribution."""
 _DIFFERENCES = 5
 """Differences taken of a log: a filtered motion's are far below its noise's, at rest and under way."""
-_OF_DIFFERENCES = np.sqrt(comb(2 * _DIFFERENCES, _DIFFERENCES))
+_OF_DIFFERENCES = sqrt(comb(2 * _DIFFERENCES, _DIFFERENCES))
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class Misfit:
         errors are the model's and not noise, those of a move are alike all along it, and count as one.
         """
         scale = max(self.held_out / self.fitted, 1.0) if self.fitted > 0 else 1.0
-        alike = 1.0 if self.trusted or self.moves == 0 else np.sqrt(max(self.seconds / (CORRELATED * self.moves), 1.0))
+        alike = 1.0 if self.trusted or self.moves == 0 else sqrt(max(self.seconds / (CORRELATED * self.moves), 1.0))
         return float(scale * alike)
 
 
