@@ -248,6 +248,19 @@ class OracleSource(Protocol):
 
 
 @dataclass(frozen=True)
+class HealthGate:
+    """What a run asks of the rig's latest health check. record: its file; baseline: of the figures when the rig was well, or None.
+
+    max_age_h: hours after which it counts no more (ASSUMPTION A-341). on_sick: refuse the run, or mark it.
+    """
+
+    record: Path
+    baseline: Path | None = None
+    max_age_h: float = 24.0
+    on_sick: str = "refuse"
+
+
+@dataclass(frozen=True)
 class Rig:
     """What a test run is given: one controller, one tracker, one clock, and the source of oracles.
 
@@ -255,6 +268,7 @@ class Rig:
     devices: further tracked devices in the tracker's frame, by name, e.g. "belt", or "reference", which stands still.
     calibration: file of a stored calibration, or None where every run calibrates. calibration_program: RAPID with its poses, or None.
     frame: gives a number of the tracker's frame; another one means that it may have moved, so the next case calibrates first.
+    health: what every run asks of the latest health check, or None.
     feedback: what the controller streams of itself, or None. close: called at the end of the run; leaves the rig as it was found.
     """
 
@@ -273,3 +287,4 @@ class Rig:
     frame: Callable[[], int] = lambda: 0
     feedback: Feedback | None = None
     close: Callable[[], None] = lambda: None
+    health: HealthGate | None = None

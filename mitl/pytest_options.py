@@ -48,6 +48,13 @@ def add_options(parser: pytest.Parser) -> None:
         metavar="N",
         help="run an inconclusive case at most N times, as a sequential test (default 3)",
     )
+    group.addoption("--mitl-baseline", default=None, metavar="FILE", help="health record that the health check's cases are compared with")
+    group.addoption(
+        "--mitl-health",
+        default=None,
+        choices=("refuse", "mark", "ignore"),
+        help="what becomes of a run whose rig has no good health check (default: what the rig file says)",
+    )
     group.addoption("--mitl-judged-from", default=None, metavar="NAME", help="name of the run whose recordings are judged again")
     group.addoption("--mitl-long", action="store_true", help="also run cases that take hours")
     group.addoption("--mitl-out", default=None, metavar="DIR", help="keep results.json, junit.xml, report.html and recordings here")

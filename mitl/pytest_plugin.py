@@ -146,6 +146,8 @@ def rig(request: pytest.FixtureRequest, mitl_rig: Rig) -> Iterator[Rig]:
     recorder = _recorder(request.node)
     mitl_rig.begin_case(recorder.info.id)
     recorder.stop_robot = mitl_rig.controller.stop
+    if sick := _keeper(request.config).health:
+        recorder.say("warning", f"the rig may be sick: {sick}")
     reel = reel_of(mitl_rig, recorder, keep=_keeper(request.config).folder is not None)
     reel.begin(repeats=request.config.getoption("mitl_repeats"))
     yield reel.rig
@@ -374,6 +376,11 @@ def _load_rig(config: pytest.Config) -> Rig | Exception:
         else:
             _keeper(config).describe(loaded)
             config.stash[_RIG] = loaded
+            if loaded.health is not None:
+                from mitl.engine.health import ask  # noqa: PLC0415
+
+                _keeper(config).health, refusal = ask(loaded, config.getoption("mitl_health"))
+                config.stash[_RIG] = refusal or loaded
     return config.stash[_RIG]
 
 

@@ -22,6 +22,7 @@ COMMANDS = {
     "preflight": "Look a program over before a robot runs it: reach, limits, singularities, collisions.",
     "verify": "Run test cases on a rig and judge them.",
     "judge": "Judge an old run again, without the rig.",
+    "health": "Check in ten minutes whether robot and tracker are what they were.",
     "campaign": "Run cases with many seeds and faults: what they find, and how often they cry wolf.",
     "init": "Write the skeleton of a test case.",
     "faults": "List the faults that can be injected into the simulated controller.",

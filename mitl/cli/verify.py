@@ -63,6 +63,11 @@ if TYPE_CHECKING:
 )
 @click.option("--long", "long", is_flag=True, help="Also run the cases that take hours of the rig's time (seconds in simulation).")
 @click.option("--resume", is_flag=True, help="Go on with the run in --out: what was judged there stays, the rest is run.")
+@click.option(
+    "--health",
+    type=click.Choice(("refuse", "mark", "ignore")),
+    help="What becomes of the run where the rig file asks for a good health check and there is none; the rig file says it by default.",
+)
 @click.option("--arm", is_flag=True, help="Let a physical rig move. Needs a terminal, unless the rig file allows unattended runs.")
 @click.option("--list", "only_list", is_flag=True, help="List the cases and run none.")
 @click.option(
@@ -83,6 +88,7 @@ def verify_command(
     out: Path,
     tests: Path | None,
     resume: bool,
+    health: str | None,
     arm: bool,
     repeats: int,
     long: bool,
@@ -105,6 +111,7 @@ def verify_command(
         f"--mitl-seed={seed}",
         f"--mitl-repeats={repeats}",
         *(["--mitl-resume", f"--mitl-out={out}"] if resume else []),
+        *([f"--mitl-health={health}"] if health else []),
         *(["--mitl-long"] if long or only_list else []),
         *(f"--mitl-fault={fault}" for fault in faults),
         *(f"--mitl-case={case}" for case in cases),

@@ -103,6 +103,7 @@ class RunRecord:
 
     started: ISO 8601 with offset. wall_s: how long it took in real time. faults: as given, NAME or NAME=SIZE. interrupted: true as long as
     cases are missing, so that the record of a killed run says so. judged_from: the run whose recordings were judged again, if so.
+    health: why the rig's latest health check does not vouch for it, or "".
     """
 
     rig: str
@@ -115,6 +116,7 @@ class RunRecord:
     wall_s: float = 0.0
     interrupted: bool = False
     judged_from: str | None = None
+    health: str = ""
 
     @property
     def outcome(self) -> Outcome:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
+from mitl.engine.json_value import JsonValue, read_json
 from mitl.engine.record import SCHEMA, BudgetTerm, CaseRecord, CheckRecord, Message, RunRecord, SubtestRecord
 from mitl.errors import UsageError
 from mitl.metrics.decision import GUARD
-from mitl.outcome import Outcome
 
 FILE_NAME = "results.json"
 
@@ -27,6 +27,7 @@ def to_json(run: RunRecord) -> dict[str, Any]:
         "wall_s": run.wall_s,
         "interrupted": run.interrupted,
         "judged_from": run.judged_from,
+        "health": run.health,
         "versions": dict(run.versions),
         "cases": [case_to_json(case) for case in run.cases],
     }
@@ -79,23 +80,17 @@ def text_of(run: RunRecord) -> str:
 def read_run(folder: Path) -> RunRecord:
     """Gives the record of a run's folder. Raises UsageError where results.json is missing, no JSON, or not of schema 1."""
     path = folder / FILE_NAME
-    try:
-        value = json.loads(path.read_text(encoding="utf-8"), parse_constant=_no_constant)
-    except OSError as error:
-        raise UsageError(f"{path}: {error.strerror}; expected the folder of a run made by mitl verify") from error
-    except (ValueError, RecursionError) as error:
-        raise UsageError(f"{path}: not JSON: {error}") from error
-    return run_of(value, str(path))
+    return run_of(read_json(path, "expected the folder of a run made by mitl verify").value, str(path))
 
 
 def case_of_json(value: object) -> CaseRecord:
     """Gives one case from the JSON values of `case_to_json`."""
-    return _case(_Value(value, "case"))
+    return _case(JsonValue(value, "case"))
 
 
 def run_of(content: object, where: str) -> RunRecord:
     """Gives the run record of JSON values; `where` begins the message where they do not fit."""
-    value = _Value(content, where)
+    value = JsonValue(content, where)
     schema = value.at("schema").whole()
     if schema != SCHEMA:
         raise UsageError(f"{value.where}: schema {schema}; this mitl reads schema {SCHEMA}")
@@ -110,6 +105,7 @@ def run_of(content: object, where: str) -> RunRecord:
         wall_s=value.optional("wall_s", 0.0).number(),
         interrupted=value.optional("interrupted", False).truth(),
         judged_from=value.optional("judged_from", None).text_or_none(),
+        health=value.optional("health", "").text(),
     )
     said = value.at("outcome").outcome()
     if said is not run.outcome:
@@ -117,7 +113,7 @@ def run_of(content: object, where: str) -> RunRecord:
     return run
 
 
-def _case(value: _Value) -> CaseRecord:
+def _case(value: JsonValue) -> CaseRecord:
     return CaseRecord(
         id=value.at("id").text(),
         title=value.at("title").text(),
@@ -139,7 +135,7 @@ def _case(value: _Value) -> CaseRecord:
     )
 
 
-def _check(value: _Value) -> CheckRecord:
+def _check(value: JsonValue) -> CheckRecord:
     return CheckRecord(
         name=value.at("name").text(),
         value=value.at("value").number_or_none(),
@@ -158,78 +154,3 @@ def _check(value: _Value) -> CheckRecord:
         guard=value.optional("guard", GUARD).number(),
         subtest=value.optional("subtest", None).text_or_none(),
     )
-
-
-_Kind = TypeVar("_Kind")
-
-
-class _Value:
-    """A JSON value with the place where it stands, so that a message can name it."""
-
-    def __init__(self, value: object, where: str) -> None:
-        self.value = value
-        self.where = where
-
-    def at(self, key: str) -> _Value:
-        inner = self._a(dict, "an object")
-        if key not in inner:
-            raise UsageError(f"{self.where}: {key!r} is missing")
-        return _Value(inner[key], f"{self.where}: {key}")
-
-    def optional(self, key: str, default: object) -> _Value:
-        inner = self._a(dict, "an object")
-        return _Value(inner.get(key, default), f"{self.where}: {key}")
-
-    def items(self) -> list[_Value]:
-        return [_Value(item, f"{self.where}[{number}]") for number, item in enumerate(self._a(list, "a list"))]
-
-    def pairs(self) -> list[tuple[str, _Value]]:
-        return [(name, _Value(item, f"{self.where}.{name}")) for name, item in self._a(dict, "an object").items()]
-
-    def text(self) -> str:
-        return self._a(str, "text")
-
-    def text_or_none(self) -> str | None:
-        return None if self.value is None else self.text()
-
-    def file_name(self) -> str | None:
-        """Gives a name in the same folder: a record must not make the report read elsewhere."""
-        name = self.text_or_none()
-        if name is not None and (Path(name).name != name or name in {".", ".."}):
-            raise UsageError(f"{self.where}: expected the name of a file in the run's folder, found {name!r}")
-        return name
-
-    def number(self) -> float:
-        if isinstance(self.value, int) and not isinstance(self.value, bool):
-            return float(self.value)
-        return self._a(float, "a number")
-
-    def number_or_none(self) -> float | None:
-        return None if self.value is None else self.number()
-
-    def whole(self) -> int:
-        if isinstance(self.value, bool):
-            raise self._unexpected("a whole number")
-        return self._a(int, "a whole number")
-
-    def truth(self) -> bool:
-        return self._a(bool, "true or false")
-
-    def outcome(self) -> Outcome:
-        try:
-            return Outcome(self.text())
-        except ValueError:
-            raise self._unexpected("one of " + ", ".join(outcome.value for outcome in Outcome)) from None
-
-    def _a(self, kind: type[_Kind], name: str) -> _Kind:
-        if not isinstance(self.value, kind):
-            raise self._unexpected(name)
-        return self.value
-
-    def _unexpected(self, expected: str) -> UsageError:
-        shown = json.dumps(self.value, ensure_ascii=False)
-        return UsageError(f"{self.where}: expected {expected}, found {shown[:60]}{'...' if len(shown) > 60 else ''}")
-
-
-def _no_constant(name: str) -> float:
-    raise ValueError(f"{name} is no JSON number")

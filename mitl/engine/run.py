@@ -42,6 +42,7 @@ class RunKeeper:
     """The run so far. folder: where it is kept, or None to keep nothing. rig_name: what was asked for. problem: why there is no report.
     opened: whether the folder is ready; set from the start where another process makes it ready. resume: go on with the run in it.
     unwritten: why the folder is not up to date, or "". judged_from: the run whose recordings are judged again, if so.
+    health: why the rig's latest health check does not vouch for it, or "".
     """
 
     seed: int
@@ -56,6 +57,7 @@ class RunKeeper:
     resume: bool = False
     unwritten: str = ""
     judged_from: str | None = None
+    health: str = ""
     started: str = field(default_factory=lambda: datetime.now(UTC).isoformat(timespec="seconds"))
     _before_s: float = 0.0
     _began: float = field(default_factory=time.monotonic)
@@ -173,6 +175,7 @@ class RunKeeper:
             wall_s=round(self._before_s + time.monotonic() - self._began, 3),
             interrupted=bool(missing),
             judged_from=self.judged_from,
+            health=self.health,
         )
 
     def save(self) -> RunRecord:

@@ -19,6 +19,8 @@ position = [0.8, -0.6, 0.4]   # m, in the world
 velocity = [0.1, 0.0, 0.0]    # m/s from the beginning of every case on; at rest without it
 conveyor = "belt"             # of the cell: the device lies on this belt, `position` being its place when the encoder counts 0
 
+[health]                # what every run asks of the rig's latest health check: see rig/health_section.py
+
 A [devices] section replaces the built-in reference and the device on the belt of the cell `line`; an empty one leaves the rig without.
 """
 
@@ -33,6 +35,8 @@ from pathlib import Path
 from typing import Any
 
 from mitl.errors import UsageError
+from mitl.protocols import HealthGate
+from mitl.rig.health_section import health_gate
 
 Triple = tuple[float, float, float]
 REFERENCE = "reference"
@@ -48,7 +52,7 @@ _TEXTS: dict[str, tuple[str, ...] | None] = {
     "poses": None,
     "cell": None,
 }
-_SECTIONS = ("rig", "buttons", "devices")
+_SECTIONS = ("rig", "buttons", "devices", "health")
 _MOST_BUTTONS = 15
 
 
@@ -90,6 +94,7 @@ class RigConfig:
     thresholds: Mapping[str, float] = field(default_factory=lambda: {"aoTrigger": 5.0})
     devices: Mapping[str, DeviceConfig] = field(default_factory=lambda: {REFERENCE: DeviceConfig(), BELT: _ON_THE_LINE})
     folder: Path = Path()
+    health: HealthGate | None = None
 
 
 def read_rig(name_or_file: str) -> RigConfig:
@@ -110,6 +115,7 @@ def read_rig(name_or_file: str) -> RigConfig:
     if not isinstance(table.get("rig"), dict):
         raise UsageError(f"{file}: expected a section [rig]")
     values: dict[str, Any] = {"name": file.stem, "folder": file.parent, **_texts(file, table["rig"])}
+    values["health"] = health_gate(file, table)
     if "buttons" in table:
         values["buttons"], values["thresholds"] = _buttons(file, _section(file, table, "buttons"))
     if "devices" in table:

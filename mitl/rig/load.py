@@ -99,6 +99,7 @@ def load_rig(name_or_file: str, seed: int, faults: Sequence[str]) -> Rig:
         devices={name: tracker for name, tracker in trackers.items() if name != HAND},
         calibration=config.folder / config.calibration if config.calibration else None,
         calibration_program=_calibration_program(config, model),
+        health=config.health,
     )
 
 

@@ -89,6 +89,7 @@ def load_physical(file: Path, seed: int, faults: Sequence[str], *, armed: bool =
         calibration=config.folder / config.calibration if config.calibration else None,
         feedback=feedback,
         close=close,
+        health=config.health,
     )
 
 

@@ -15,6 +15,8 @@ from typing import Any, TypeVar
 from uuid import UUID
 
 from mitl.errors import UsageError
+from mitl.protocols import HealthGate
+from mitl.rig.health_section import health_gate
 
 GENERATIONS = ("1", "2", "8")
 EGM_DEVICE = re.compile(r"[A-Za-z0-9_.:-]{1,32}")
@@ -94,6 +96,7 @@ class PhysicalConfig:
     calibration: str = ""
     patience_s: float = 330.0
     folder: Path = Path()
+    health: HealthGate | None = None
 
 
 def is_physical(name_or_file: str) -> bool:
@@ -111,7 +114,7 @@ def read_physical(file: Path) -> PhysicalConfig:
     """Gives what a rig file says. Raises UsageError naming file, section and key."""
     table = tomllib.loads(file.read_text(encoding="utf-8"))
     for section in table:
-        _known(file, section, ("rig", "controller", "tracker", "safety", "egm"), "unknown section or key")
+        _known(file, section, ("rig", "controller", "tracker", "safety", "egm", "health"), "unknown section or key")
     rig = dict(_section(file, table, "rig"))
     for key in rig:
         _known(file, key, ("kind", "robot", "calibration", "patience_s"), "[rig] unknown key")
@@ -127,6 +130,7 @@ def read_physical(file: Path) -> PhysicalConfig:
         calibration=_text(file, "rig", "calibration", rig.get("calibration", "")),
         patience_s=_seconds(file, rig.get("patience_s", 330.0)),
         folder=file.parent,
+        health=health_gate(file, table),
     )
     _check(file, found)
     return found
