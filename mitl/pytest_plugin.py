@@ -375,12 +375,7 @@ def _load_rig(config: pytest.Config) -> Rig | Exception:
             config.stash[_RIG] = error
         else:
             _keeper(config).describe(loaded)
-            config.stash[_RIG] = loaded
-            if loaded.health is not None:
-                from mitl.engine.health import ask  # noqa: PLC0415
-
-                _keeper(config).health, refusal = ask(loaded, config.getoption("mitl_health"))
-                config.stash[_RIG] = refusal or loaded
+            config.stash[_RIG] = _keeper(config).ask_health(loaded, config.getoption("mitl_health")) or loaded
     return config.stash[_RIG]
 
 

@@ -16,9 +16,10 @@ from mitl.engine import case_recording, junit, results, resuming, summary
 from mitl.engine.bench import calibration_tracks
 from mitl.engine.calibration_session import SessionCalibration
 from mitl.engine.case import CaseInfo
+from mitl.engine.health import ask
 from mitl.engine.record import CaseRecord, Message, RunRecord
 from mitl.engine.recorder import CaseRecorder, file_name
-from mitl.errors import MitlError, UsageError
+from mitl.errors import MitlError, RigError, UsageError
 from mitl.outcome import Outcome
 from mitl.protocols import Rig
 from mitl.recording.atomic import replacing
@@ -103,6 +104,11 @@ class RunKeeper:
     def describe(self, rig: Rig) -> None:
         """Remembers what rig it is."""
         self.rig = RigDescription(rig.name, rig.robot, dict(rig.versions))
+
+    def ask_health(self, rig: Rig, wanted: str | None) -> RigError | None:
+        """Remembers why the rig's health check does not vouch for it; gives the error where the run is refused for it (`health.ask`)."""
+        self.health, refusal = ask(rig, wanted)
+        return refusal
 
     def rig_as_json(self) -> dict[str, Any] | None:
         """Gives the rig's description for another process."""
