@@ -62,6 +62,10 @@ MODULE ATC_1
         direction;
         MoveAbsJ home, v500, fine, tTest;
         done;
+      CASE 6:
+        fromJoints;
+        MoveAbsJ home, v500, fine, tTest;
+        done;
       CASE 9:
         MoveAbsJ home, v500, fine, tTest;
         done;
@@ -146,5 +150,21 @@ MODULE ATC_1
     WaitTime 0.5;
     MoveJ Offs(pDirection,100,100,100), vTest, fine, tTest\WObj:=wSplit;
     WaitTime 0.5;
+  ENDPROC
+
+  ! to and fro between a joint position, which no frame and no target takes part in, and targets near it
+  PROC fromJoints()
+    MoveAbsJ jDirection, v500, fine, tTest\WObj:=wTest;
+    WaitTime 0.5;
+    FOR pass FROM 1 TO 6 DO
+      MoveJ Offs(pDirection,60,0,0), vTest, fine, tTest\WObj:=wTest;
+      WaitTime 0.5;
+      MoveAbsJ jDirection, vTest, fine, tTest\WObj:=wTest;
+      WaitTime 0.5;
+      MoveJ RelTool(Offs(pDirection,0,60,40),0,0,0\Rz:=20), vTest, fine, tTest\WObj:=wTest;
+      WaitTime 0.5;
+      MoveAbsJ jDirection, vTest, fine, tTest\WObj:=wTest;
+      WaitTime 0.5;
+    ENDFOR
   ENDPROC
 ENDMODULE

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from mitl.atc.measuring import timed
@@ -9,17 +11,28 @@ from mitl.atc.verdicts import check_position
 from mitl.calibration.known_offset import refine_offset
 from mitl.calibration.time_offset import TimeOffset
 from mitl.engine import Bench, Check, case
+from mitl.engine.bench import StoppedRun
+from mitl.errors import RigError
 from mitl.metrics.line import line_deviation
-from mitl.metrics.stillness import standstill_after
+from mitl.metrics.stillness import overrun, standstill_after
 from mitl.metrics.uncertainty import Budget, Term
+from mitl.protocols import ProgrammedMove
 
 WAIT_LIMIT = 25e-3
 STOP_LIMIT = 0.2
+OVERRUN_LIMIT = 70e-3
+"""Seconds at its former speed that the tool may go on after a stop was called. ASSUMPTION A-335: our model of the arm takes 56 to 60 ms."""
 STOPS = 10
 PATH_LIMIT = 5e-3
 RESTARTS = 3
 _NOISE = 4e-3
 """Standard uncertainty in s of a moment of standstill: the noise of two positions over a deceleration of 15 m/s^2, and one sample."""
+_OVERRUN_NOISE = 2.5e-3
+"""Standard uncertainty in s of an overrun at 200 mm/s: .4 mm of noise of two averaged positions, and the moment of the call."""
+_INSIDE = 35e-3
+"""Meters from either end of a line within which a stop tells no overrun: the tool turns round there anyway."""
+_FEWEST = 4
+"""Stops of which the second shortest overrun is judged; further ones are made until there are so many well within a line."""
 _WAITS = (0.3, 1.0, 2.0)
 _MARGIN = 0.12
 """Seconds of rest on either side of a motion that help to tell when it was."""
@@ -56,19 +69,32 @@ def test_wait_time(bench: Bench, check: Check) -> None:
     title="Stop",
     purpose="Ten times, 2 to 8 s into a motion at 200 mm/s, from the call of stop to standstill.",
     requirement="The tool stands still, under 2 mm in 25 ms, soon after stop was called.",
-    limit_source="facts/atc.md: 200 ms",
+    limit_source="facts/atc.md: 200 ms; ours: an overrun of 70 ms, where the arm's model takes 57",
     program="atc_6.mod",
     catches=("stop-late",),
     typical_s=110.0,
 )
 def test_stop(bench: Bench, check: Check) -> None:
-    """The longest of the ten; their mean is told, to compare with the thesis's table 4.8 (87 ms)."""
-    moments = np.random.default_rng([bench.rig.seed, 6]).uniform(2.0, 8.0, STOPS)
-    times = []
+    """The longest of the ten; and the second shortest overrun, to which what a network takes for a call adds little."""
+    moments = np.random.default_rng([bench.rig.seed, 6]).uniform(2.0, 8.0, 2 * STOPS)
+    times, ways = [], []
     for number, after in enumerate(moments, start=1):
         run = bench.run_stopped(2, after=float(after), variables={"speed": "200"}, name=f"stop {number}")
         times.append(standstill_after(run.tool, run.called))
+        if _within_a_line(bench.last_oracle.moves, run):
+            ways.append(overrun(run.tool, run.called))
+        if number >= STOPS and len(ways) >= _FEWEST:
+            break
+    else:
+        raise RigError(f"only {len(ways)} of {len(moments)} stops were well within a line, too few to judge the overrun")
     check("longest time to standstill", value=1e3 * max(times), limit=1e3 * STOP_LIMIT, unit="ms", uncertainty=1e3 * _NOISE)
+    check(
+        "overrun, second shortest",
+        value=1e3 * float(np.partition(ways, 1)[1]),
+        limit=1e3 * OVERRUN_LIMIT,
+        unit="ms",
+        uncertainty=1e3 * _OVERRUN_NOISE,
+    )
     check.message("info", f"standstill after {1e3 * float(np.mean(times)):.0f} ms on average, {1e3 * min(times):.0f} ms at least")
 
 
@@ -96,3 +122,15 @@ def test_restart(bench: Bench, check: Check) -> None:
             gone = float(np.ptp(across.along))
             noise = Budget((Term("random", 1e-3, "noise of two positions"),))
             check("way gone on", value=1e3 * gone, limit=150.0, unit="mm", at_least=True, budget=noise)
+
+
+def _within_a_line(moves: Sequence[ProgrammedMove], run: StoppedRun) -> bool:
+    """Gives whether stop was called while the tool was well within a line of the program."""
+    at = run.tool.only_valid().between(run.called - 0.05, run.called)
+    for line in (move for move in moves if move.kind == "MoveL" and len(at)):
+        length = float(np.linalg.norm(line.end[:3] - line.start[:3]))
+        deviation = line_deviation(at.position, line.start[:3], line.end[:3])
+        near = np.linalg.norm(deviation.across, axis=1).max() < PATH_LIMIT
+        if near and deviation.along.min() > _INSIDE and deviation.along.max() < length - _INSIDE:
+            return True
+    return False

@@ -66,6 +66,27 @@ def target_offset(size_mm: float) -> EffectFilter:
     return shifted
 
 
+def target_turn(angle_deg: float) -> EffectFilter:
+    """Gives a filter that turns every target about its own z axis."""
+    half = np.radians(angle_deg) / 2
+    c, s = float(np.cos(half)), float(np.sin(half))
+
+    def turned(target: data.RobTarget) -> data.RobTarget:
+        w, x, y, z = target.rot.q1, target.rot.q2, target.rot.q3, target.rot.q4
+        return replace(target, rot=data.Orient(w * c - z * s, x * c + y * s, y * c - x * s, z * c + w * s))
+
+    def all_turned(effect: effects.Effect) -> effects.Effect:
+        match effect:
+            case effects.MoveJ() | effects.MoveL():
+                return replace(effect, target=turned(effect.target))
+            case effects.MoveC():
+                return replace(effect, via=turned(effect.via), target=turned(effect.target))
+            case _:
+                return effect
+
+    return all_turned
+
+
 def axis_sign(share: float) -> EffectFilter:
     """Gives a filter that mirrors y of every target, or a share of it."""
 

@@ -179,6 +179,7 @@ KINDS = {
         FaultKind("wrong-work-object", "the work object is turned about its z axis", "interpreter", "deg", 5.0, bugs.wrong_work_object),
         FaultKind("wrong-tool", "the tool is taken for longer than it is", "interpreter", "mm", 10.0, bugs.wrong_tool),
         FaultKind("target-offset", "every target is shifted along the work object's x axis", "interpreter", "mm", 10.0, bugs.target_offset),
+        FaultKind("target-turn", "every target is turned about its own z axis", "interpreter", "deg", 8.0, bugs.target_turn),
         FaultKind(
             "axis-sign", "y of every target is mirrored; a share below 1 mirrors it in part", "interpreter", "share", 1.0, bugs.axis_sign
         ),

@@ -49,3 +49,18 @@ def standstill_after(path: PosePath, called: float, *, within: float = 25e-3, li
     if len(moving) and moving[-1] == np.flatnonzero(inside)[-1]:
         return float("inf")
     return float(after.time[moving[-1]] - called) if len(moving) else 0.0
+
+
+def overrun(path: PosePath, called: float, *, before: float = 0.12, rest: tuple[float, float] = (0.2, 0.4)) -> float:
+    """Gives for how many s at its former speed a path went on after `called`: way from there to rest over speed.
+
+    The path must run straight and evenly for `before` s up to `called`, and rest from rest[0] to rest[1] s after it. A moment of
+    standstill is read off where the path hardly moves any more; this is read off where it moves fast, and is as much less noisy.
+    Raises ValueError without valid samples in both.
+    """
+    valid = path.only_valid()
+    running, resting = valid.between(called - before, called), valid.between(called + rest[0], called + rest[1])
+    if len(running) < 2 or len(resting) == 0:
+        raise ValueError(f"the path has too few valid samples about {called:.3f} s")
+    velocity, at = np.polyfit(running.time - called, running.position, 1)
+    return float((resting.position.mean(axis=0) - at) @ velocity / (velocity @ velocity))

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from mitl.controllers.faults import KINDS, effect_filter, joint_offset, orientation_law, parse_fault, playback, robot_model
 from mitl.errors import UsageError
@@ -51,6 +52,14 @@ def test_a_wrong_work_object_is_turned_about_its_own_z_axis():
     between = np.degrees((right.inv() * turned).rotation.as_rotvec())
     assert between == pytest.approx([0, 0, 4], abs=1e-6)
     assert turned.translation == pytest.approx(right.translation)
+
+
+def test_a_turned_target_is_turned_about_its_own_z_axis_and_stays_in_its_place():
+    for target, right in ((broken("target-turn=8", LINE).target, LINE.target), (broken("target-turn=8", ARC).via, ARC.via)):
+        q, q0 = (np.array([o.rot.q1, o.rot.q2, o.rot.q3, o.rot.q4]) for o in (target, right))
+        turn = Rotation.from_quat(q0, scalar_first=True).inv() * Rotation.from_quat(q, scalar_first=True)
+        assert np.degrees(turn.as_rotvec()) == pytest.approx([0, 0, 8], abs=1e-9)
+        assert target.trans == right.trans
 
 
 def test_a_wrong_tool_is_longer():

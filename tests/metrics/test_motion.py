@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from mitl.metrics.glitch import without_glitches
 from mitl.metrics.moving import moving_interval
 from mitl.metrics.speed import line_speed, path_speed, speed, speed_difference, velocity
-from mitl.metrics.stillness import is_still, jitter_diameter, standstill_after
+from mitl.metrics.stillness import is_still, jitter_diameter, overrun, standstill_after
 from mitl.paths import PosePath
 
 
@@ -204,3 +204,11 @@ def test_standstill_is_where_the_speed_falls_below_2_mm_in_25_ms():
     assert standstill_after(line_at(0.2).between(0.0, 4.5), 4.0) == np.inf
     with pytest.raises(ValueError, match="no valid samples"):
         standstill_after(line_at(0.2), 99.0)
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.025])
+def test_an_overrun_is_the_way_after_the_call_at_the_speed_before_it(delay):
+    path = line_at(0.2, duration=3.04 + delay, noise=3e-4, seed=3)  # on its way from 1 s on
+    assert overrun(path, 4.0) == pytest.approx(0.04 + delay, abs=0.003)
+    with pytest.raises(ValueError, match="too few valid samples"):
+        overrun(path, 99.0)
