@@ -50,7 +50,9 @@ def test_the_index_names_every_file_and_every_file_is_as_it_says():
 
 @pytest.mark.parametrize("program", PROGRAMS, ids=lambda program: program.stem)
 def test_every_order_of_every_program_is_stored(program):
-    refused = {"atc_5.mod": {"4.2", "7.2"}}.get(program.name, set())  # beyond an axis limit, and in another configuration: a controller must refuse
+    refused = {"atc_5.mod": {"4.2", "7.2"}}.get(
+        program.name, set()
+    )  # beyond an axis limit, and in another configuration: a controller must refuse
     assert set(PLANNED[program.name].orders) == {str(order) for order in orders_of(program)} - refused
 
 
