@@ -15,6 +15,8 @@ from mitl.campaign.trial import TrialResult, run_trial
 from mitl.errors import RigError
 
 _RETRIES = 3
+_ANY_PORT = "127.0.0.1:0"
+"""Where Dask's web page is served: a port of its own, so that several campaigns may run on one computer, and for nobody else."""
 
 
 def execute(
@@ -43,7 +45,7 @@ def execute(
         try:
             if scheduler is None:
                 cluster = LocalCluster(
-                    n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=None, silence_logs=logging.ERROR
+                    n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=_ANY_PORT, silence_logs=logging.ERROR
                 )
             client = Client(cluster if cluster is not None else scheduler, timeout="10s")
         except (OSError, TimeoutError) as error:

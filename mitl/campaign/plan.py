@@ -6,22 +6,27 @@ Invariant: a trial's key says all that its result depends on, so that a finished
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 
 @dataclass(frozen=True)
 class Trial:
-    """One run: a rig, a seed, a fault (NAME=SIZE) or none, and the cases that are run with it."""
+    """One run: a rig, a seed, a fault (NAME=SIZE) or none, and the cases that are run with it, in their order.
+
+    until_found: no case is run once one has failed.
+    """
 
     rig: str
     seed: int
     fault: str | None
     cases: tuple[str, ...]
+    until_found: bool = False
 
     @property
     def key(self) -> str:
         """Gives the trial in one line."""
-        return f"{self.rig} {self.seed} {self.fault or '-'} {','.join(self.cases)}"
+        until = " until found" if self.until_found else ""
+        return f"{self.rig} {self.seed} {self.fault or '-'} {','.join(self.cases)}{until}"
 
 
 def planned(
@@ -41,3 +46,14 @@ def planned(
             if cases:
                 trials += [Trial(rig, seed, f"{fault}={size:g}", cases) for size in wanted]
     return trials
+
+
+def quickest_first(trials: Iterable[Trial], typical_s: Mapping[str, float]) -> list[Trial]:
+    """Gives the trials so that those with a fault run their cases from the quickest on, and no more once one has found it.
+
+    typical_s: how long each case usually takes, in s. Whether at least one case fails is answered all the same.
+    """
+    return [
+        trial if trial.fault is None else replace(trial, cases=tuple(sorted(trial.cases, key=typical_s.__getitem__)), until_found=True)
+        for trial in trials
+    ]

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 )
 @click.option("--seeds", default=10, show_default=True, type=click.IntRange(1), metavar="N", help="Seeds 1 to N.")
 @click.option("--sound/--no-sound", default=True, show_default=True, help="Also run every case on the sound controller: its false alarms.")
+@click.option("--until-found", is_flag=True, help="With a fault, run its cases from the quickest on and no more once one has failed.")
 @click.option("--rig", default="sim", show_default=True, metavar="sim|FILE.toml", help="The simulated rig, or a rig file.")
 @click.option("--workers", default=2, show_default=True, type=click.IntRange(1), metavar="N", help="Processes on this computer.")
 @click.option("--scheduler", metavar="ADDRESS", help="A Dask scheduler, e.g. tcp://host:8786, instead of processes here.")
@@ -42,6 +43,7 @@ def campaign_command(
     faults: tuple[str, ...],
     seeds: int,
     sound: bool,
+    until_found: bool,
     rig: str,
     workers: int,
     scheduler: str | None,
@@ -53,15 +55,18 @@ def campaign_command(
     campaign.json, detection_power.md and detection_power.png, with 95 % bounds after Clopper and Pearson.
     """
     from mitl.campaign.execute import execute  # noqa: PLC0415 - heavy imports only when the command runs
-    from mitl.campaign.plan import planned  # noqa: PLC0415
+    from mitl.campaign.plan import planned, quickest_first  # noqa: PLC0415
     from mitl.campaign.summary import detections, false_alarms, smallest_found  # noqa: PLC0415
     from mitl.campaign.tables import write_tables  # noqa: PLC0415
     from mitl.cli.verify import found_cases  # noqa: PLC0415
     from mitl.controllers.faults import KINDS  # noqa: PLC0415
 
-    catches = {info.id: info.catches for info in _chosen(found_cases(), cases)}
+    chosen = _chosen(found_cases(), cases)
+    catches = {info.id: info.catches for info in chosen}
     sizes = _sizes(faults, {name: kind.size for name, kind in KINDS.items()})
     trials = planned(catches, sizes, rig=str(Path(rig).resolve()) if rig != "sim" else rig, seeds=range(1, seeds + 1), sound=sound)
+    if until_found:
+        trials = quickest_first(trials, {info.id: info.typical_s for info in chosen})
     if not trials:
         raise UsageError("there is nothing to run: none of these cases names one of these faults, and --no-sound was given")
     results = list(execute(trials, out, workers=workers, scheduler=scheduler, progress=_progress()).values())

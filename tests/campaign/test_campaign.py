@@ -1,6 +1,8 @@
 """Campaigns: what is planned, what is kept, what is counted, and that nothing is lost."""
 
+import contextlib
 import json
+import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -10,11 +12,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mitl.campaign.execute import execute
-from mitl.campaign.plan import Trial, planned
+from mitl.campaign.plan import Trial, planned, quickest_first
 from mitl.campaign.store import FILE_NAME, read_results
 from mitl.campaign.summary import Rate, detections, false_alarms, smallest_found
 from mitl.campaign.tables import write_tables
-from mitl.campaign.trial import TrialResult
+from mitl.campaign.trial import TrialResult, run_trial
 from mitl.cli import run
 from mitl.errors import UsageError
 
@@ -42,6 +44,22 @@ def test_every_fault_is_run_with_the_cases_that_name_it_at_every_size_for_every_
         (1, "hiccup=40", ("a/one",)),
     ]
     assert len({trial.key for trial in trials}) == len(trials) == 8
+
+
+def test_the_quickest_case_comes_first_where_one_that_fails_is_enough():
+    trials = quickest_first(planned(CATCHES, {"speed": [1]}, rig="sim", seeds=[1], sound=True), {"a/one": 60.0, "a/two": 5.0})
+    assert [(trial.fault, trial.cases, trial.until_found) for trial in trials] == [
+        (None, ("a/one", "a/two"), False),
+        ("speed=1", ("a/two", "a/one"), True),
+    ]
+
+
+def test_a_trial_ends_with_the_case_that_found_the_fault():
+    cases = ("atc-1/direction", "atc-1/linear")
+    whole = run_trial(Trial("sim", 1, "target-offset=10", cases))
+    assert whole.outcomes == {"atc-1/linear": "fail", "atc-1/direction": "fail"}
+    assert run_trial(Trial("sim", 1, "target-offset=10", cases, until_found=True)).outcomes == {"atc-1/direction": "fail"}
+    assert list(run_trial(Trial("sim", 1, None, cases, until_found=True)).outcomes) == list(cases)
 
 
 @pytest.mark.parametrize(
@@ -98,6 +116,17 @@ def test_nothing_is_lost_when_a_worker_dies(tmp_path):
     results = execute(trials, tmp_path / "out", workers=2, run=deadly)
     assert (tmp_path / "mark").exists()
     assert [results[trial.key].seed for trial in trials] == list(range(6))
+
+
+def test_two_campaigns_share_a_computer(tmp_path):
+    """The first port that Dask would take for its web page is another's."""
+    with socket.socket() as taken:
+        taken.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        with contextlib.suppress(OSError):  # taken by somebody else is as good
+            taken.bind(("127.0.0.1", 8787))
+            taken.listen()
+        trials = [Trial("here", 1, None, ("a/one",))]
+        assert list(execute(trials, tmp_path, workers=1, run=quick)) == [trials[0].key]
 
 
 def test_a_file_that_is_no_campaign_is_refused(tmp_path):
