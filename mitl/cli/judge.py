@@ -74,8 +74,8 @@ def judge_command(
         raise UsageError("--calibration and --recalibrate exclude each other")
     recorded = recorded_rig(run)
     facts = recorded.first_tape().facts
-    oracles, name = oracles_for(recorded.run, rig, robot)
-    played = recorded.rig(oracles, facts, name)
+    oracles, model = oracles_for(recorded.run, rig, robot)
+    played = recorded.rig(oracles, facts, model)
 
     class Judging(Observer):
         """Gives pytest the recorded rig and the calibration to judge by."""

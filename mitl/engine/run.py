@@ -90,7 +90,8 @@ class RunKeeper:
         if run is None:
             return set()
         rig = self.rig.name if self.rig else ""
-        resuming.refuse_another(run, rig=rig, seed=self.seed, faults=self.faults, versions=installed_versions())
+        now = {**installed_versions(), **(self.rig.versions if self.rig else {})}
+        resuming.refuse_another(run, rig=rig, seed=self.seed, faults=self.faults, versions=now)
         kept = resuming.judged(run)
         self.cases = [*kept, *self.cases]
         self.started, self._before_s = run.started, run.wall_s

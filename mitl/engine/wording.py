@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from mitl.engine.reach import unseen
 from mitl.engine.record import CaseRecord, CheckRecord
 from mitl.outcome import Outcome
 
@@ -18,7 +19,10 @@ def sentence(check: CheckRecord) -> str:
 
 
 def reason(case: CaseRecord) -> str:
-    """Gives why a case is what it is, a line for each check or message that made it so; empty for PASS."""
+    """Gives why a case is what it is, a line for each check or message that made it so; empty for PASS.
+
+    Where the rig could not have told, also what it cannot see (`engine.reach`).
+    """
     match case.outcome:
         case Outcome.PASS:
             return ""
@@ -27,4 +31,6 @@ def reason(case: CaseRecord) -> str:
         case Outcome.SKIPPED:
             return "\n".join(message.text for message in case.messages)
         case Outcome.FAIL | Outcome.INCONCLUSIVE:
-            return "\n".join(sentence(check) for check in case.checks if check.outcome is case.outcome and not check.warning)
+            lines = [sentence(check) for check in case.checks if check.outcome is case.outcome and not check.warning]
+            blind = unseen(case) if case.outcome is Outcome.INCONCLUSIVE else ""
+            return "\n".join([*lines, *([blind] if blind else [])])

@@ -15,10 +15,11 @@ from mitl.engine.run import installed_versions
 from mitl.engine.tape import ATTACHMENT, Tape, decoded
 from mitl.errors import RigError, UsageError
 from mitl.motion.oracles import PlannedOracles
-from mitl.motion.robot_model import load_robot_model
+from mitl.motion.robot_model import RobotModel, load_robot_model
 from mitl.protocols import OracleSource
 from mitl.recording import read_recording
 from mitl.rig.config import read_rig
+from mitl.rig.environment import robot_files
 from mitl.rig.load import cell_of
 from mitl.rig.physical_config import is_physical, read_physical
 
@@ -50,16 +51,19 @@ class RecordedRig:
                 continue
         raise UsageError(f"{self.folder}: no case has a recording that can be judged again")
 
-    def rig(self, oracles: OracleSource, facts: dict[str, str], robot: str) -> ReplayedRig:
+    def rig(self, oracles: OracleSource, facts: dict[str, str], model: RobotModel) -> ReplayedRig:
         """Gives the rig. Its versions are the recorded ones of what is not here; of what judges, the record has today's."""
         return replayed_rig(
             self.tape_of,
             oracles,
             facts=facts,
             name=self.run.rig,
-            robot=robot,
+            robot=model.name,
             seed=self.run.seed,
-            versions={name: told for name, told in self.run.versions.items() if name not in installed_versions()},
+            versions={
+                **{name: told for name, told in self.run.versions.items() if name not in installed_versions()},
+                **robot_files(model.folder),
+            },
         )
 
 
@@ -68,19 +72,19 @@ def recorded_rig(folder: Path) -> RecordedRig:
     return RecordedRig(folder, read_run(folder))
 
 
-def oracles_for(run: RunRecord, rig: str | None, robot: str | None) -> tuple[OracleSource, str]:
-    """Gives the source of oracles, and its robot: that of a rig file or built-in rig, or else of the run.
+def oracles_for(run: RunRecord, rig: str | None, robot: str | None) -> tuple[OracleSource, RobotModel]:
+    """Gives the source of oracles, and its robot model: that of a rig file or built-in rig, or else of the run.
 
     robot: another robot model. Raises UsageError where there is no such rig or robot.
     """
     if rig is not None and is_physical(rig):
         model = load_robot_model(robot or read_physical(Path(rig)).robot)
-        return PlannedOracles(model), model.name
+        return PlannedOracles(model), model
     named = rig or run.rig
     if rig is None and named != "sim":
         model = load_robot_model(robot or run.robot)
-        return PlannedOracles(model), model.name
+        return PlannedOracles(model), model
     config = read_rig(named)
     model = load_robot_model(robot or (config.robot if rig is not None else run.robot))
     cell = cell_of(config)
-    return PlannedOracles(model, cell.conveyors if cell else ()), model.name
+    return PlannedOracles(model, cell.conveyors if cell else ()), model

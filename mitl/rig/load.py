@@ -25,6 +25,7 @@ from mitl.paths import FloatArray
 from mitl.poses import pose_of
 from mitl.protocols import Rig
 from mitl.rig.config import RigConfig, read_rig
+from mitl.rig.environment import folder_fingerprint, robot_files, text_fingerprint
 from mitl.rig.physical_config import is_physical
 from mitl.simulation.arm import kinematic_arm
 from mitl.simulation.cell import Cell, load_cell
@@ -95,7 +96,13 @@ def load_rig(name_or_file: str, seed: int, faults: Sequence[str]) -> Rig:
         clock=world,
         oracles=PlannedOracles(model, cell.conveyors if cell else ()),
         begin_case=begin_case,
-        versions={"mitl": __version__, "python": platform.python_version(), **{name: version(name) for name in _PACKAGES}},
+        versions={
+            "mitl": __version__,
+            "python": platform.python_version(),
+            **{name: version(name) for name in _PACKAGES},
+            **robot_files(model.folder),
+            **_simulated_with(config, presets, cell),
+        },
         devices={name: tracker for name, tracker in trackers.items() if name != HAND},
         calibration=config.folder / config.calibration if config.calibration else None,
         calibration_program=_calibration_program(config, model),
@@ -114,6 +121,15 @@ def _calibration_program(config: RigConfig, model: RobotModel) -> Path | None:
         return file
     file = model.folder / "calibration.mod"
     return file if file.is_file() else None
+
+
+def _simulated_with(config: RigConfig, presets: Mapping[str, TrackerParameters], cell: Cell | None) -> dict[str, str]:
+    """Gives what the simulation was made of: tracker models, cell, fidelity."""
+    names = {HAND: config.tracker, **{name: config.devices[name].tracker or config.tracker for name in config.devices}}
+    found = {f"tracker model of {name}": text_fingerprint(Path(names[name]).stem, repr(preset)) for name, preset in presets.items()}
+    if cell is not None:
+        found["cell"] = folder_fingerprint(cell.model.parent)
+    return {"fidelity": config.fidelity, **found}
 
 
 def _preset(config: RigConfig, name: str) -> TrackerParameters:

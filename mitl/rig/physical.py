@@ -20,6 +20,7 @@ from mitl.errors import RigError, UsageError
 from mitl.motion.oracles import PlannedOracles
 from mitl.motion.robot_model import load_robot_model
 from mitl.protocols import Rig
+from mitl.rig.environment import robot_files
 from mitl.rig.guarded import GuardedController
 from mitl.rig.guardian import Guardian
 from mitl.rig.monotonic_clock import MonotonicClock
@@ -85,7 +86,15 @@ def load_physical(file: Path, seed: int, faults: Sequence[str], *, armed: bool =
         oracles=PlannedOracles(model),
         begin_case=begin_case,
         frame=frame,
-        versions={"mitl": __version__, "python": platform.python_version(), "RobotWare": robotware, **_installed()},
+        versions={
+            "mitl": __version__,
+            "python": platform.python_version(),
+            "RobotWare": robotware,
+            "controller serial": first.identity(),
+            "tracker serial": tracker.device.serial,
+            **robot_files(model.folder),
+            **_installed(),
+        },
         calibration=config.folder / config.calibration if config.calibration else None,
         feedback=feedback,
         close=close,

@@ -19,6 +19,7 @@ from mitl.motion.robot_model import load_robot_model
 from mitl.paths import PosePath
 from mitl.protocols import AveragedPoint, ExecutionState, LoggedEvent
 from mitl.recording import read_recording, write_recording
+from mitl.rig.environment import folder_fingerprint
 from mitl.rig.judged import recorded_rig
 from mitl.samples import TrackerSamples
 
@@ -48,14 +49,16 @@ def test_without_a_change_the_numbers_are_the_same_and_the_record_names_the_old_
 
 def test_the_record_has_the_versions_of_what_judged_and_of_the_rig_what_is_not_here(recorded, tmp_path):
     told = results(recorded)
-    told["versions"] |= {"numpy": "0.1", "RobotWare": "6.13"}
+    told["versions"] |= {"numpy": "0.1", "RobotWare": "6.13", "robot model": "irb140 sha256 0"}
     old = tmp_path / "old"
     shutil.copytree(recorded, old)
     (old / "results.json").write_text(json.dumps(told))
     made = recorded_rig(old)
-    versions = made.rig(PlannedOracles(load_robot_model("irb140")), made.first_tape().facts, "irb140").versions
+    model = load_robot_model("irb140")
+    versions = made.rig(PlannedOracles(model), made.first_tape().facts, model).versions
     assert versions["RobotWare"] == "6.13"
     assert "numpy" not in versions
+    assert versions["robot model"] == folder_fingerprint(model.folder) != told["versions"]["robot model"]
 
 
 def test_another_calibration_changes_the_verdict(recorded, tmp_path):

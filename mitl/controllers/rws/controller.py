@@ -171,6 +171,14 @@ class RwsController:
         version = next((item.fields["rwversion"] for item in items if "rwversion" in item.fields), "")
         return version, tuple(item.fields["option"] for item in items if "option" in item.fields)
 
+    def identity(self) -> str:
+        """Gives the controller's own id, on a real one its serial number, or else its name; "unknown" where it tells neither."""
+        try:
+            told = self._transport.item(self._dialect.identity())
+        except NotFoundError:
+            return "unknown"
+        return told.fields.get("ctrl-id") or told.fields.get("ctrl-name") or "unknown"
+
     def clock_time(self) -> datetime | None:
         """Gives the controller's own date and time, without time zone, or None where it cannot be read."""
         return _stamp(self._transport.item(self._dialect.clock())["datetime"])

@@ -61,6 +61,10 @@ class Rws1:
         """RobotWare's version and options."""
         return Ask("reading the version", "GET", "/rw/system")
 
+    def identity(self) -> Ask:
+        """Which controller it is."""
+        return Ask("reading the controller's identity", "GET", "/ctrl/identity")
+
     def clock(self) -> Ask:
         """The controller's clock."""
         return Ask("reading the clock", "GET", "/ctrl/clock")

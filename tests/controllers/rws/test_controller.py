@@ -70,4 +70,5 @@ def test_it_tells_version_options_mode_and_state(tmp_path):
         version, options = rig.controller.system()
         assert version.startswith("6.")
         assert any("689-1" in option for option in options)
+        assert rig.controller.identity() == "virtual"
         assert (rig.controller.mode(), rig.controller.controller_state(), rig.controller.speed_ratio()) == ("AUTO", "motoron", 100.0)

@@ -128,10 +128,10 @@ class PanelResources:
         version, name = VERSIONS[call.dialect]
         return answered(Item("sys-product-li", "RobotWare", {"version": version, "version-name": name}))
 
-    def identity(self, call: Call) -> Answer:
+    def identity(self, _call: Call) -> Answer:
         """Name and kind of controller."""
         return answered(
-            Item("ctrl-identity-info", "identity", {"ctrl-name": "mitl", "ctrl-type": "Virtual Controller", "ctrl-id": call.base})
+            Item("ctrl-identity-info", "identity", {"ctrl-name": "mitl", "ctrl-type": "Virtual Controller", "ctrl-id": "virtual"})
         )
 
     def clock(self, _call: Call) -> Answer:
