@@ -83,35 +83,62 @@ class Habit:
 
 
 class Glitches:
-    """A short wrong position at a random moment after some stops."""
+    """A short wrong position at a random moment after some stops, and now and then in motion."""
 
-    def __init__(self, moments: np.random.Generator, directions: np.random.Generator, glitch: Glitch, period: float) -> None:
+    def __init__(
+        self,
+        moments: np.random.Generator,
+        directions: np.random.Generator,
+        in_motion: np.random.Generator,
+        glitch: Glitch,
+        period: float,
+    ) -> None:
         self._moments = moments
         self._directions = directions
+        self._in_motion = in_motion
         self._glitch = glitch
         self._period = period
+        self._length = max(1, round(glitch.duration_s / period))
         self._now = 0
         self._pulses: list[tuple[int, int, FloatArray]] = []
+        self._samples_between = 1.0 / (glitch.rate_in_motion_hz * period) if glitch.rate_in_motion_hz > 0.0 else math.inf
+        self._left = in_motion.exponential() * self._samples_between
 
     def skip(self, count: int) -> None:
         """Lets `count` samples pass at rest."""
         self._now += count
 
-    def add(self, errors: FloatArray, stops: BoolArray) -> None:
-        """Adds the next position errors in m to `errors` (N, 3), which it changes; stops (N,) as for Creep."""
-        if self._glitch.probability_per_stop == 0.0:
-            return
+    def add(self, errors: FloatArray, moving: BoolArray, stops: BoolArray) -> None:
+        """Adds the next position errors in m to `errors` (N, 3), which it changes; moving and stops (N,) as for Creep."""
+        if self._glitch.probability_per_stop > 0.0:
+            self._after_stops(stops)
+        if self._samples_between < math.inf:
+            self._while_moving(moving)
+        for first, after, error in self._pulses:
+            errors[max(0, first - self._now) : max(0, after - self._now)] += error
+        self._now += len(stops)
+        self._pulses = [pulse for pulse in self._pulses if pulse[1] > self._now]
+
+    def _after_stops(self, stops: BoolArray) -> None:
         for stop in np.flatnonzero(stops):
             chance, moment = self._moments.random(2)
             direction = self._directions.standard_normal((1, 3))
             if chance < self._glitch.probability_per_stop:
                 first = self._now + int(stop) + round(moment * self._glitch.within_s / self._period)
-                after = first + max(1, round(self._glitch.duration_s / self._period))
-                self._pulses.append((first, after, (direction / lengths(direction) * self._glitch.size_m)[0]))
-        for first, after, error in self._pulses:
-            errors[max(0, first - self._now) : max(0, after - self._now)] += error
-        self._now += len(stops)
-        self._pulses = [pulse for pulse in self._pulses if pulse[1] > self._now]
+                self._pulse(first, direction, self._glitch.size_m)
+
+    def _while_moving(self, moving: BoolArray) -> None:
+        """Begins a pulse whenever the body has moved for as many samples as were drawn."""
+        count = int(np.count_nonzero(moving))
+        while self._left < count:
+            index = np.flatnonzero(moving)[int(self._left)]
+            size = self._glitch.mean_size_in_motion_m * self._in_motion.exponential()
+            self._pulse(self._now + int(index), self._in_motion.standard_normal((1, 3)), size)
+            self._left += max(1.0, self._in_motion.exponential() * self._samples_between)
+        self._left -= count
+
+    def _pulse(self, first: int, direction: FloatArray, size: float) -> None:
+        self._pulses.append((first, first + self._length, (direction / lengths(direction) * size)[0]))
 
 
 class Losses:

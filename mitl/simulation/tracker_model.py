@@ -68,6 +68,7 @@ class _Draw(IntEnum):
     SHOCK = auto()
     SHOCK_LENGTH = auto()
     CREEP_HABIT = auto()
+    GLITCH_IN_MOTION = auto()
 
 
 @dataclass(frozen=True)
@@ -126,7 +127,8 @@ class TrackerModel:
         self._time_errors = draw(_Draw.TIME)
         habits = draw_for_session(_Draw.CREEP_HABIT)
         self._creep = Creep(draw(_Draw.CREEP_TARGET), habits, parameters.creep, period)
-        self._glitches = Glitches(draw(_Draw.GLITCH_MOMENT), draw(_Draw.GLITCH_DIRECTION), parameters.glitch, period)
+        glitches = draw(_Draw.GLITCH_MOMENT), draw(_Draw.GLITCH_DIRECTION), draw(_Draw.GLITCH_IN_MOTION)
+        self._glitches = Glitches(*glitches, parameters.glitch, period)
         self._losses = Losses(draw(_Draw.LOSS), parameters.loss, period)
         self._occlusions = Occlusions(draw(_Draw.OCCLUSION), parameters.occlusion, period)
         self._sleeping = Sleeping(draw(_Draw.SLEEP), parameters.sleep, period)
@@ -272,7 +274,7 @@ class TrackerModel:
             drift *= np.exp(place.drift_sd_log * self._drift_field.at(location))[:, np.newaxis]
         error += drift
         error += times_matrix(self._distortion, sampled)
-        self._glitches.add(error, stops)
+        self._glitches.add(error, moving, stops)
         return error
 
     def _along_the_ray(self, location: FloatArray, error: FloatArray) -> FloatArray:

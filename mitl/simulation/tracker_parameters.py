@@ -102,12 +102,14 @@ class Drift:
 
 @dataclass(frozen=True)
 class Glitch:
-    """A short wrong position at some time after a stop."""
+    """A short wrong position at some time after a stop, always as large, and in motion, of exponentially distributed size."""
 
     probability_per_stop: float
     size_m: float
     duration_s: float
     within_s: float
+    rate_in_motion_hz: float
+    mean_size_in_motion_m: float
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ THESIS = load_preset("thesis")
 # Everything on, and events often enough that every second of truth has some.
 ROUGH = replace(
     THESIS,
-    glitch=replace(THESIS.glitch, probability_per_stop=0.5, within_s=0.1),
+    glitch=replace(THESIS.glitch, probability_per_stop=0.5, within_s=0.1, rate_in_motion_hz=8.0),
     loss=replace(THESIS.loss, rate_per_s=3.0, duration_s=0.05),
     frame_jump=replace(THESIS.frame_jump, probability_per_reacquisition=0.5),
     sleep=replace(THESIS.sleep, after_s=0.1, wake_min_s=0.02, wake_max_s=0.1),
@@ -143,8 +143,8 @@ def test_a_lost_sample_is_not_valid_and_its_pose_is_zero():
     assert lengths.min() >= 24
 
 
-def test_glitches_come_after_stops_only_and_are_short():
-    sure = replace(IDEAL, glitch=replace(THESIS.glitch, probability_per_stop=1.0))
+def test_large_glitches_come_after_stops_only_and_are_short():
+    sure = replace(IDEAL, glitch=replace(THESIS.glitch, probability_per_stop=1.0, rate_in_motion_hz=0.0))
     points = np.random.default_rng(1).uniform(-0.3, 0.3, (10, 3))
     position, rests = truth.visits(points, still=0.8)
     error = np.linalg.norm(truth.positions_seen(TrackerModel(sure, 1), position) - position, axis=1)
@@ -155,6 +155,21 @@ def test_glitches_come_after_stops_only_and_are_short():
     assert hit.sum() == 5 * len(points)
     still = np.zeros((5000, 3))
     assert not truth.positions_seen(TrackerModel(sure, 1), still).any()
+
+
+def test_glitches_in_motion_come_at_their_rate_with_their_sizes_and_never_at_rest():
+    often = replace(IDEAL, glitch=replace(THESIS.glitch, probability_per_stop=0.0, rate_in_motion_hz=2.0, mean_size_in_motion_m=0.003))
+    model, seconds = TrackerModel(often, 1), 400
+    way = 0.1 * np.arange(1, 250 * seconds + 1)[:, np.newaxis] * truth.PERIOD * np.array([[0.0, 1.0, 0.0]])
+    error = truth.positions_seen(model, way) - way
+    size = np.linalg.norm(error, axis=1)
+    hit = size > 1e-9
+    begins = np.flatnonzero(hit & ~np.concatenate([[False], hit[:-1]]))
+    assert len(begins) == pytest.approx(2.0 * seconds, rel=0.15)
+    assert np.median(size[begins]) == pytest.approx(0.003 * np.log(2.0), rel=0.15)
+    assert np.count_nonzero(hit) / len(begins) == pytest.approx(5.0, rel=0.1)  # 20 ms at 250 Hz; some overlap
+    rest = np.tile(way[-1], (50_000, 1))
+    assert np.array_equal(truth.positions_seen(model, rest)[5:], rest[5:])  # the last pulse may end at rest
 
 
 def test_the_frame_jumps_when_tracking_is_found_again_and_stays_there():
