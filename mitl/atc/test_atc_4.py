@@ -8,6 +8,7 @@ from mitl.atc.measuring import TimedRun, budget_of_path, timed
 from mitl.atc.verdicts import check_position
 from mitl.engine import Bench, Check, case
 from mitl.metrics.deviation import largest_deviation, window_means, window_noise
+from mitl.metrics.glitch import without_pulses
 from mitl.metrics.path import path_deviation
 from mitl.metrics.uncertainty import Budget, Term
 from mitl.protocols import ProgrammedMove
@@ -39,7 +40,7 @@ def test_overshoot(bench: Bench, check: Check) -> None:
         settling = run.tool.between(move.ends - 0.05, move.ends + 0.2)
         rest = run.tool.between(move.ends + 0.2, move.ends + 0.4)
         beyond = (settling.position - rest.position.mean(axis=0)) @ direction
-        means = window_means(settling.time, beyond[:, None], _WINDOW)[:, 0]
+        means = window_means(settling.time, without_pulses(settling.time, beyond)[:, None], _WINDOW)[:, 0]
         noise = window_noise(rest.time, rest.position, _WINDOW)
         # the tracker creeps by .78 mm/s after a stop (facts/tracker.md): over the .2 s between the two that is .16 mm
         budget = Budget((Term("random", noise, "noise at rest"), Term("creep", 0.16e-3, "tracker's creep after a stop")))
@@ -93,7 +94,7 @@ def test_hiccups(bench: Bench, check: Check) -> None:
         direction /= np.linalg.norm(direction, axis=1)[:, None]
         lag = np.sum(deviation.vector * direction, axis=1) / first.tcp_speed
         trend = np.polynomial.Polynomial.fit(path.time, lag, 2)
-        ripple = lag - trend(path.time)
+        ripple = without_pulses(path.time, lag - trend(path.time))
         largest = largest_deviation(path.time, ripple, _WINDOW)
         budget = Budget((Term("random", largest.random, "noise of the recording"),))
         check(

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from mitl.metrics.glitch import without_glitches
+from mitl.metrics.glitch import without_glitches, without_pulses
 from mitl.metrics.moving import moving_interval
 from mitl.metrics.speed import line_speed, path_speed, speed, speed_difference, velocity
 from mitl.metrics.stillness import is_still, jitter_diameter, overrun, standstill_after
@@ -164,6 +164,19 @@ def test_what_a_robot_can_do_is_no_glitch():
         assert without_glitches(path_of(t, position)).valid.all()
     long = glitched(line_at(0.0, noise=2e-4), 300, samples=50)
     assert without_glitches(long).valid.all()
+
+
+@given(st.integers(1, 6), st.integers(20, 960), st.floats(0.001, 0.03))
+def test_a_pulse_is_taken_off_a_deviation_and_a_step_stays_where_it_is(samples, first, size):
+    time = np.arange(1000) * 0.004
+    step = np.where(time < 2.0, 0.0, 0.01)
+    pulsed = step.copy()
+    pulsed[first : first + samples] += size
+    away = np.abs(np.arange(1000) - 500) > 8
+    seen = without_pulses(time, pulsed)
+    np.testing.assert_array_equal(seen[away], step[away])
+    np.testing.assert_array_equal(without_pulses(time, step), step)
+    assert np.abs(seen).max() <= max(0.01, size)
 
 
 def test_a_glitch_does_not_start_the_motion():
