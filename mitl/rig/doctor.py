@@ -8,25 +8,28 @@ from __future__ import annotations
 import shutil
 from collections.abc import Callable
 from dataclasses import dataclass
-from datetime import datetime
+from datetime import UTC, datetime, timedelta
 from enum import Enum
 from pathlib import Path
+from urllib.parse import urlsplit
 
 import numpy as np
 
+from mitl.calibration.store import age, load_calibration
 from mitl.controllers.rws.controller import RwsController
 from mitl.controllers.rws.credentials import find_credentials
+from mitl.controllers.rws.transport import certificate_fingerprint
 from mitl.errors import MitlError
 from mitl.rig.monotonic_clock import MonotonicClock
-from mitl.rig.physical_config import PhysicalConfig
+from mitl.rig.physical_config import ControllerConfig, PhysicalConfig
 from mitl.rig.remote import transport_to
 from mitl.samples import TrackingResult
 from mitl.trackers.openvr_runtime import OpenVrRuntime, Universe
 from mitl.trackers.openvr_tracker import OpenVrTracker
 
 _LEAST_DISK = 2 * 1024**3
-_LEAST_RATE, _MOST_CLOCK_OFFSET, _OLD_CALIBRATION = 0.98, 60.0, 12 * 3600.0
-_INTERFACE = "616-1"
+_LEAST_RATE, _MOST_CLOCK_OFFSET, _OLD_CALIBRATION = 0.98, 60.0, timedelta(hours=12)
+_INTERFACE, _GUIDED = "616-1 PC Interface", "689-1 Externally Guided Motion"
 _PATIENCE = 3.0
 
 
@@ -49,7 +52,25 @@ class Finding:
 
 def examine(config: PhysicalConfig, out: Path, seconds: float) -> list[Finding]:
     """Gives what was found of controller, tracker, calibration and disk; the tracker is watched for `seconds`."""
-    return [*_controller(config), *_tracker(config, seconds), _calibration(config), _disk(out)]
+    return [*_certificate(config.controller), *_controller(config), *_tracker(config, seconds), _calibration(config), _disk(out)]
+
+
+def _certificate(controller: ControllerConfig) -> list[Finding]:
+    """Tells the SHA-256 of the certificate that an encrypted controller shows, to pin it by; nothing where it shows none."""
+    address = urlsplit(controller.address)
+    if address.scheme != "https":
+        return []
+    try:
+        seen = certificate_fingerprint(controller.address, _PATIENCE)
+    except OSError:  # what the controller's own finding says
+        return []
+    pinned = controller.fingerprint.lower().replace(":", "")
+    if pinned == seen:
+        return [Finding("certificate", State.GOOD, "is the pinned one")]
+    if pinned:
+        return [Finding("certificate", State.BAD, f"SHA-256 {seen}, pinned is another: {pinned}")]
+    advice = f'if this is what the cell itself shows, pin it: fingerprint = "{seen}"'
+    return [Finding("certificate", State.LOOK, f"not pinned; {advice}")]
 
 
 def _controller(config: PhysicalConfig) -> list[Finding]:
@@ -62,7 +83,7 @@ def _controller(config: PhysicalConfig) -> list[Finding]:
     except MitlError as error:
         return [Finding("controller", State.BAD, str(error))]
     looks: list[tuple[str, Callable[[], tuple[State, str]]]] = [
-        ("interface", lambda: _options(options)),
+        ("options", lambda: _options(options, config)),
         ("mode", lambda: _wanted(controller.mode(), "AUTO", "turn the key to automatic")),
         ("motors", lambda: _wanted(controller.controller_state(), "motoron", "switch them on at the cell")),
         ("RAPID", lambda: _wanted(controller.state().value, "stopped", "another program is running")),
@@ -82,9 +103,12 @@ def _looked(what: str, look: Callable[[], tuple[State, str]]) -> Finding:
         return Finding(what, State.BAD, str(error))
 
 
-def _options(options: tuple[str, ...]) -> tuple[State, str]:
-    there = any(_INTERFACE in option for option in options)
-    return (State.GOOD, "PC Interface") if there else (State.LOOK, f"option {_INTERFACE} PC Interface is not listed")
+def _options(options: tuple[str, ...], config: PhysicalConfig) -> tuple[State, str]:
+    wanted = [_INTERFACE, *([_GUIDED] if config.egm is not None else [])]
+    missing = [name for name in wanted if not any(name.split()[0] in option for option in options)]
+    if missing:
+        return State.LOOK, f"not listed: {', '.join(missing)}"
+    return State.GOOD, ", ".join(wanted)
 
 
 def _wanted(found: str, wanted: str, advice: str) -> tuple[State, str]:
@@ -149,12 +173,18 @@ def _calibration(config: PhysicalConfig) -> Finding:
     file = config.folder / config.calibration
     if not file.is_file():
         return Finding("calibration", State.BAD, f"{file} is not there: mitl calibrate --rig ... --output {file}")
-    age = datetime.now().timestamp() - file.stat().st_mtime  # noqa: DTZ005 - a difference of two stamps of this computer
-    return Finding("calibration", State.LOOK if age > _OLD_CALIBRATION else State.GOOD, f"{file.name}, {age / 3600:.1f} h old")
+    try:
+        old = age(load_calibration(file), datetime.now(UTC))
+    except MitlError as error:
+        return Finding("calibration", State.BAD, str(error))
+    if old is None:
+        return Finding("calibration", State.LOOK, f"{file.name} does not tell its age: mitl calibrate --rig ... --output {file}")
+    state = State.GOOD if old < _OLD_CALIBRATION else State.LOOK
+    return Finding("calibration", state, f"{file.name}, {old.total_seconds() / 3600:.1f} h old")
 
 
 def _disk(out: Path) -> Finding:
-    place = out if out.exists() else out.parent
+    place = next((folder for folder in (out.absolute(), *out.absolute().parents) if folder.exists()), out)
     try:
         free = shutil.disk_usage(place).free
     except OSError as error:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from mitl.cli import run
+from mitl.controllers.virtual.resources import panel
 from mitl.controllers.virtual.server import Pace
 from mitl.paths import PosePath
 from mitl.samples import TrackerSamples
@@ -60,6 +61,35 @@ def test_what_keeps_it_from_a_run_is_told_with_what_to_do(rig, capsys):
     assert found["motors"] == {"what": "motors", "state": "bad", "told": "motoroff, expected motoron: switch them on at the cell"}
     assert "mitl calibrate" in found["calibration"]["told"]
     assert served.cell.state == "motoroff", "it only reads"
+
+
+@pytest.mark.parametrize(("pin", "state"), [("none", "look"), ("its own", "good"), ("another", "bad")])
+def test_the_certificate_of_an_encrypted_controller_is_shown_to_pin_it_by(rig, capsys, tmp_path, pin, state):
+    _, file = rig
+    served = Served("2", tmp_path / "other", pace=Pace.REALTIME)
+    pinned = {"none": "", "its own": served.fingerprint, "another": "00" * 32}[pin]
+    section = f'[controller]\naddress = "{served.address}"\ngeneration = "2"\nfingerprint = "{pinned}"\n'
+    file.write_text(f'[rig]\nkind = "physical"\nrobot = "irb140"\n{section}', encoding="utf-8")
+    _, found = examined(file, capsys)
+    assert found["certificate"]["state"] == state
+    assert (served.fingerprint in found["certificate"]["told"]) == (pin != "its own")
+    assert (found["controller"]["state"] == "good") == (pin == "its own")
+    served.close()
+
+
+def test_options_that_the_rig_file_needs_and_the_age_of_the_calibration_are_looked_at(rig, capsys, monkeypatch):
+    _, file = rig
+    file.write_text(file.read_text().replace('robot = "irb140"', 'robot = "irb140"\ncalibration = "old.toml"'))
+    (file.parent / "old.toml").write_text("schema = 1\n")
+    _, found = examined(file, capsys)
+    assert found["calibration"]["state"] == "bad"
+    assert "old.toml" in found["calibration"]["told"]
+    assert found["options"] == {"what": "options", "state": "good", "told": "616-1 PC Interface"}
+    monkeypatch.setattr(panel, "_OPTIONS", ("English", "616-1 PC Interface"))
+    file.write_text(file.read_text() + '[egm]\nhost = "127.0.0.1"\n')
+    _, found = examined(file, capsys)
+    assert found["options"]["state"] == "look"
+    assert "689-1" in found["options"]["told"]
 
 
 def test_a_rig_that_cannot_be_reached_is_told_and_the_rest_is_looked_at_all_the_same(rig, capsys):

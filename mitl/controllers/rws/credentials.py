@@ -47,5 +47,8 @@ def _from_keyring(name: str) -> str | None:
         keyring = importlib.import_module("keyring")
     except ImportError:
         return None
-    found = keyring.get_password(_SERVICE, name)
+    try:
+        found = keyring.get_password(_SERVICE, name)
+    except keyring.errors.KeyringError as error:  # locked, or there is none on this computer
+        raise UsageError(f"the keyring cannot be read ({error}): set {USER_VARIABLE} and {PASSWORD_VARIABLE} instead") from error
     return found if isinstance(found, str) else None

@@ -18,6 +18,7 @@ import httpx
 
 from mitl.controllers.rws import answers
 from mitl.controllers.rws.answers import Item
+from mitl.controllers.rws.bounded import Bounded
 from mitl.controllers.rws.credentials import Credentials
 from mitl.controllers.rws.dialects import Ask, Rws1
 from mitl.controllers.rws.errors import (
@@ -129,9 +130,9 @@ class Transport:
         headers = {**self.dialect.headers(ask), "Cookie": cookies}
         verify: ssl.SSLContext | bool = self._context() if self.address.startswith("https:") else False
         try:
-            with httpx.Client(verify=verify, timeout=self._timeout, trust_env=False) as client:
+            with httpx.Client(transport=Bounded(verify), timeout=self._timeout, trust_env=False) as client:
                 client.request(ask.method, self.address + self.dialect.target(ask), headers=headers)
-        except httpx.TransportError as error:
+        except (httpx.TransportError, MalformedAnswerError) as error:
             raise UnreachableError(f"ending the session that is left over: {self.address} cannot be reached: {_said(error)}") from error
 
     def tls(self) -> ssl.SSLContext | None:
@@ -146,7 +147,7 @@ class Transport:
             try:
                 if self._introduced:
                     self._once(self.dialect.log_out())
-            except httpx.HTTPError:
+            except (httpx.HTTPError, MalformedAnswerError):
                 self._introduced = False  # it cannot be reached: the controller ends an idle session by itself
             finally:
                 self._drop_client()
@@ -213,8 +214,6 @@ class Transport:
 
     def _read(self, ask: Ask, response: httpx.Response) -> Answered:
         kind, body = response.headers.get("content-type", ""), response.content
-        if len(body) > answers.MOST_BYTES:
-            raise MalformedAnswerError(f"{ask.what}: the answer has {len(body)} bytes; that is no answer of a controller")
         if response.is_success:
             is_file = ask.path.startswith("/fileservice")
             found = () if is_file and "xml" not in kind and "json" not in kind else tuple(answers.items(kind, body))
@@ -233,9 +232,8 @@ class Transport:
             user, password = self._credentials.user, self._credentials.password
             auth: httpx.Auth = httpx.BasicAuth(user, password) if self.dialect.basic_authentication else httpx.DigestAuth(user, password)
             verify: ssl.SSLContext | bool = self._context() if self.address.startswith("https:") else False
-            limits = httpx.Limits(max_connections=1)
             self._client = httpx.Client(
-                auth=auth, verify=verify, timeout=self._timeout, limits=limits, trust_env=False, follow_redirects=False
+                auth=auth, transport=Bounded(verify), timeout=self._timeout, trust_env=False, follow_redirects=False
             )
         return self._client
 
@@ -247,12 +245,11 @@ class Transport:
     def _context(self) -> ssl.SSLContext:
         if self._fingerprint is None:
             return ssl.create_default_context()
-        parts = urlsplit(self.address)
         try:
-            shown = ssl.get_server_certificate((parts.hostname or "", parts.port or 443), timeout=self._timeout)
+            shown = _certificate(self.address, self._timeout)
         except OSError as error:
-            raise httpx.ConnectError(f"no certificate from {parts.hostname}: {error}") from error
-        found = hashlib.sha256(ssl.PEM_cert_to_DER_cert(shown)).hexdigest()
+            raise httpx.ConnectError(f"no certificate from {urlsplit(self.address).hostname}: {error}") from error
+        found = _fingerprint(shown)
         if found != self._fingerprint:
             raise UnreachableError(
                 f"{self.address} shows another certificate than the pinned one: expected SHA-256 {self._fingerprint}, "
@@ -262,6 +259,20 @@ class Transport:
         context.check_hostname = False
         context.verify_flags |= ssl.VERIFY_X509_PARTIAL_CHAIN
         return context
+
+
+def certificate_fingerprint(address: str, timeout: float) -> str:
+    """Gives the SHA-256 in hex of the certificate that https://host[:port] shows. Raises OSError where there is none."""
+    return _fingerprint(_certificate(address, timeout))
+
+
+def _certificate(address: str, timeout: float) -> str:
+    parts = urlsplit(address)
+    return ssl.get_server_certificate((parts.hostname or "", parts.port or 443), timeout=timeout)
+
+
+def _fingerprint(certificate_pem: str) -> str:
+    return hashlib.sha256(ssl.PEM_cert_to_DER_cert(certificate_pem)).hexdigest()
 
 
 def _cookies(client: httpx.Client) -> str:

@@ -82,8 +82,7 @@ class FileService:
         path = self._writable(address)
         if path.is_dir():
             raise invalid(f"{address} is a directory")
-        if self._used() + len(content) > MOST_BYTES:
-            raise Refused(507, NOT_ALLOWED, "The disk is full")
+        self._require_room(len(content))
         new = not path.exists()
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -119,12 +118,14 @@ class FileService:
         target = self._writable(name if "/" in name or ":" in name else f"{beside}/{name}")
         if target.exists() or target.is_relative_to(source):
             raise invalid(f"{name} is there already")
+        if not move:
+            self._require_room(_size(source))
         try:
             target.parent.mkdir(parents=True, exist_ok=True)
             if move:
                 source.rename(target)
             elif source.is_dir():
-                shutil.copytree(source, target)
+                shutil.copytree(source, target, symlinks=True)  # what a link leads to may lie outside the volume
             else:
                 shutil.copy2(source, target)
         except OSError as error:
@@ -136,9 +137,16 @@ class FileService:
             raise Refused(403, NOT_ALLOWED, "A volume cannot be changed itself")
         return path
 
-    def _used(self) -> int:
-        return sum(path.stat().st_size for path in self._root.rglob("*") if path.is_file())
+    def _require_room(self, size: int) -> None:
+        if _size(self._root) + size > MOST_BYTES:
+            raise Refused(507, NOT_ALLOWED, "The disk is full")
 
     def _entry(self, path: Path) -> FileEntry:
-        found = path.stat()
+        found = path.lstat() if path.is_symlink() else path.stat()
         return FileEntry(path.name, path.is_dir(), found.st_size, datetime.fromtimestamp(found.st_mtime).astimezone())
+
+
+def _size(path: Path) -> int:
+    """Gives the bytes of a file or of all files in a folder, links not followed."""
+    files = path.rglob("*") if path.is_dir() else [path]
+    return sum(file.lstat().st_size for file in files if file.is_file())

@@ -1,11 +1,16 @@
 """The client's session under adversity: what it survives, and what it says where it cannot."""
 
+import gzip
 import logging
 import socket
+import sys
 import threading
+from types import SimpleNamespace
 
+import httpx
 import pytest
 
+from mitl.controllers.rws.bounded import Bounded
 from mitl.controllers.rws.credentials import Credentials, find_credentials
 from mitl.controllers.rws.dialects import Rws1
 from mitl.controllers.rws.errors import BusyError, LoginRefusedError, MalformedAnswerError, NotAllowedError, NotFoundError, UnreachableError
@@ -77,6 +82,9 @@ def raw():
 def http(status, body=b"", kind="application/json", **headers):
     extra = "".join(f"{name}: {value}\r\n" for name, value in headers.items())
     return f"HTTP/1.1 {status} X\r\nContent-Type: {kind}\r\nContent-Length: {len(body)}\r\nConnection: close\r\n{extra}\r\n".encode() + body
+
+
+DIGEST = 'Digest realm="r", nonce="n", qop="auth"'
 
 
 class Plain(Rws1):
@@ -172,6 +180,8 @@ def test_what_changes_something_is_not_sent_twice_where_it_may_have_arrived(raw)
         ),
         http(200, b'{"_embedded":{"_state":[{"_type":"pnl-opmode"}]}}'),
         http(200),
+        http(200, gzip.compress(bytes(100_000_000)), **{"Content-Encoding": "gzip"}),
+        http(401, gzip.compress(bytes(1000)), **{"Content-Encoding": "gzip", "WWW-Authenticate": DIGEST}),
         b"HTTP/1.1 banana\r\n\r\n",
         b"\x00\x01\x02",
     ],
@@ -181,6 +191,23 @@ def test_a_malformed_or_hostile_answer_is_an_error_of_ours_never_another(raw, an
     client = transport(raw(answer).address)
     with pytest.raises((MalformedAnswerError, UnreachableError)):
         _ = client.item(client.dialect.mode())["opmode"]
+
+
+@pytest.mark.parametrize("status", [200, 401, 500])
+def test_an_answer_without_an_end_is_let_go(raw, status):
+    endless = http(status, bytes(50_000), **{"WWW-Authenticate": DIGEST})
+    with httpx.Client(transport=Bounded(False, most=40_000), auth=httpx.DigestAuth("u", SECRET)) as client:  # noqa: SIM117 - the second fails
+        with pytest.raises(MalformedAnswerError, match="more than 40000 bytes"):
+            client.get(raw(endless).address)
+
+
+def test_an_answer_that_drips_in_is_given_up(raw):
+    clock = iter([0.0, 0.0, 61.0, 62.0, 63.0])
+    with (
+        httpx.Client(transport=Bounded(False, now=lambda: next(clock))) as client,
+        pytest.raises(MalformedAnswerError, match="not complete"),
+    ):
+        client.get(raw(http(200, bytes(300_000))).address)
 
 
 def test_a_refusal_of_any_form_keeps_its_status(raw):
@@ -237,6 +264,22 @@ class TestCredentials:
         found = find_credentials("cell", {"MITL_RWS_USER": "me", "MITL_RWS_PASSWORD": SECRET})
         assert (found.user, found.password) == ("me", SECRET)
         assert SECRET not in repr(found)
+
+    def test_they_come_from_the_keyring_of_this_computer_and_a_locked_one_is_told(self, monkeypatch):
+        kept = {("mitl", "me@cell"): SECRET}
+        errors = SimpleNamespace(KeyringError=type("KeyringError", (Exception,), {}))
+        module = SimpleNamespace(errors=errors, get_password=lambda service, name: kept.get((service, name)))
+        monkeypatch.setitem(sys.modules, "keyring", module)  # the package itself wants a desktop
+        assert find_credentials("cell", {"MITL_RWS_USER": "me"}).password == SECRET
+        with pytest.raises(UsageError, match="keyring set mitl 'you@cell'"):
+            find_credentials("cell", {"MITL_RWS_USER": "you"})
+
+        def locked(_service, _name):
+            raise errors.KeyringError("it is locked")
+
+        module.get_password = locked
+        with pytest.raises(UsageError, match=r"it is locked.*MITL_RWS_PASSWORD"):
+            find_credentials("cell", {})
 
     def test_without_any_both_ways_to_give_them_are_told(self):
         with pytest.raises(UsageError, match=r"MITL_RWS_PASSWORD.*keyring"):

@@ -5,6 +5,7 @@ import json
 import pytest
 from defusedxml import ElementTree
 
+from mitl.controllers.virtual import files
 from mitl.controllers.virtual.service import Request
 
 from .conftest import START, Client, Clock, another, login_digest
@@ -340,6 +341,23 @@ class TestDisk:
         answer = client(method, f"/fileservice/{path}", body=b"overwritten")
         assert answer.status in (400, 403, 404)
         assert (tmp_path / "secret").read_text() == "secret"
+
+    def test_a_copied_folder_takes_nothing_from_where_its_links_lead(self, make, tmp_path):
+        _, client = make("1")
+        (tmp_path / "secret").write_text("secret")
+        folder = tmp_path / "disk" / "HOME" / "a"
+        folder.mkdir()
+        (folder / "link").symlink_to(tmp_path / "secret")
+        client("POST", "/fileservice/HOME/a", {"fs-action": "copy", "fs-newname": "b"})
+        assert client("GET", "/fileservice/HOME/b/link").status == 403
+        assert (tmp_path / "disk" / "HOME" / "b" / "link").is_symlink()
+
+    def test_copies_cannot_fill_more_than_the_disk_holds(self, make, monkeypatch):
+        monkeypatch.setattr(files, "MOST_BYTES", 3000)
+        _, client = make("1")
+        client("PUT", "/fileservice/HOME/a", body=bytes(1400))
+        statuses = [client("POST", "/fileservice/HOME/a", {"fs-action": "copy", "fs-newname": f"b{i}"}).status for i in range(2)]
+        assert statuses == [204, 507]
 
     def test_a_volume_itself_cannot_be_removed(self, make):
         _, client = make("1")
