@@ -134,7 +134,7 @@ class Tracker(Protocol):
         ...
 
     def path(self) -> PosePath:
-        """Gives the path so far, while recording or after."""
+        """Gives the path so far, while recording or after; not valid where the body is out of sight, though the device may coast on."""
         ...
 
     def latest(self) -> PosePath:

@@ -5,7 +5,7 @@ Invariant: all arrays have the length of the path.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 
 import numpy as np
@@ -79,6 +79,14 @@ class TrackerSamples:
     def select(self, chosen: BoolArray) -> TrackerSamples:
         """Gives the samples where `chosen` (N,) is true."""
         return TrackerSamples(self.path.select(chosen), self.result[chosen], self.buttons[chosen], self.velocity[chosen])
+
+    def trusted(self) -> PosePath:
+        """Gives the path, not valid where the device did not see where it is, whatever it says of its pose.
+
+        While occluded it goes on valid for 1 to 2 s by its inertial sensors, centimetres off in the end: nothing may be judged by that.
+        """
+        path = self.path
+        return replace(path, valid=path.valid & (self.result == TrackingResult.RUNNING_OK))
 
     def pressed(self, button: int) -> FloatArray:
         """Gives the times (K,) in s of the samples at which a button (a bit number) is newly seen pressed."""

@@ -157,6 +157,7 @@ def _from_recordings(files: tuple[Path, ...], model: Distortion | None) -> tuple
     from mitl.calibration.streams import calibrate_streams  # noqa: PLC0415 - see above
     from mitl.errors import UsageError  # noqa: PLC0415 - see above
     from mitl.recording import read_recording  # noqa: PLC0415 - see above
+    from mitl.recording.read import samples_of  # noqa: PLC0415 - see above
     from mitl.recording.records import TRACKER  # noqa: PLC0415 - see above
     from mitl.trackers.recorder import FLANGE  # noqa: PLC0415 - see above
 
@@ -173,7 +174,7 @@ def _from_recordings(files: tuple[Path, ...], model: Distortion | None) -> tuple
             as_rows = [np.concatenate([path.position, path.quaternion_wxyz], axis=1) for path in (flange, tracked)]
             parts.append(CalibrationPoses(as_rows[0], as_rows[1], np.zeros(len(flange))))
         elif FLANGE in tracks and TRACKER in tracks:
-            found = calibrate_streams(tracks[FLANGE], tracks[TRACKER], model)
+            found = calibrate_streams(tracks[FLANGE], samples_of(recording, TRACKER).trusted(), model)
             if len(files) == 1:
                 return found.poses, (found.calibration, found.offset)
             parts.append(found.poses)

@@ -64,21 +64,30 @@ def drive_to_poses(rig: Rig, program: Path, numbers: Sequence[int] | None = None
     """Gives poses of the calibration program (from 1; None for all), as the controller and as the tracker see them.
 
     The program loops around TEST option; option 1 moves to the pose whose number is subOption; its variable poseCount says how many there
-    are. The robot is stopped on every way out. Raises RigError.
+    are. A pose in which the tracker is out of sight is left out, up to a quarter of them. The robot is stopped on every way out.
+    Raises RigError.
     """
     controller, tracker = rig.controller, rig.tracker
     flange: list[FloatArray] = []
     tracked: list[FloatArray] = []
     jitter: list[float] = []
+    unseen: list[RigError] = []
     try:
         controller.stop()
         controller.load([program])
         controller.start()
         tracker.start()
         count = _pose_count(controller.read("poseCount"), program)
-        for pose in range(1, count + 1) if numbers is None else [number for number in numbers if number <= count]:
+        chosen = range(1, count + 1) if numbers is None else [number for number in numbers if number <= count]
+        for pose in chosen:
             order(rig, 1, pose, variables={}, timeout=timeout)
-            point = tracker.average(AVERAGE)
+            try:
+                point = tracker.average(AVERAGE)
+            except RigError as error:
+                unseen.append(error)  # one place out of sight costs its pose, as the arm itself may stand before a base station
+                if len(unseen) > max(1, len(chosen) // 4):
+                    raise
+                continue
             flange.append(controller.flange())
             tracked.append(np.concatenate([point.position, point.quaternion_wxyz]))
             jitter.append(point.jitter)

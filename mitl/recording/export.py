@@ -11,13 +11,12 @@ from mitl.errors import UsageError
 from mitl.paths import FloatArray, PosePath
 from mitl.recording.atomic import replacing
 from mitl.recording.csv_file import OracleTable, write_csv
-from mitl.recording.records import MOVES, SIGNALS, TRACKER, Recording, Series
+from mitl.recording.read import samples_of
+from mitl.recording.records import MOVES, SIGNALS, Recording, Series
 from mitl.recording.thesis_xml import write_thesis_xml
 from mitl.recording.tum import write_tum
-from mitl.samples import TrackerSamples
 
 ENDINGS = (".csv", ".tum", ".txt", ".xml")
-_STATE = "/tracker/state"
 
 
 def export_path(recording: Recording, topic: str, output: Path) -> int:
@@ -32,7 +31,7 @@ def export_path(recording: Recording, topic: str, output: Path) -> int:
         case ".tum" | ".txt":
             write_tum(output, path)
         case ".xml":
-            write_thesis_xml(output, _samples(recording, topic, path))
+            write_thesis_xml(output, samples_of(recording, topic))
         case ending:
             raise UsageError(f"{output}: expected an ending of {', '.join(ENDINGS)}, not {ending or 'none'}")
     return int(path.valid.sum())
@@ -70,11 +69,3 @@ def _speed(path: PosePath) -> FloatArray:
     if len(path) < 2:
         return np.zeros(len(path))
     return np.asarray(np.linalg.norm(np.gradient(path.position, path.time, axis=0), axis=1))
-
-
-def _samples(recording: Recording, topic: str, path: PosePath) -> TrackerSamples:
-    state = recording.series.get(topic.removesuffix(TRACKER) + _STATE) if topic.endswith(TRACKER) else None
-    if state is None or len(state.time) != len(path) or not {"result", "buttons", "vx", "vy", "vz"} <= set(state.columns):
-        return TrackerSamples.plain(path)
-    velocity = np.stack([state.column(name) for name in ("vx", "vy", "vz")], axis=1)
-    return TrackerSamples(path, state.column("result").astype(np.int16), state.column("buttons").astype(np.int16), velocity)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from mitl.errors import UsageError
 from mitl.paths import PosePath
 from mitl.recording.csv_file import read_csv
@@ -14,7 +16,9 @@ from mitl.recording.records import MEASURED, ORACLE, TRACKER, Recording
 from mitl.recording.thesis_xml import read_thesis_xml
 from mitl.recording.tum import read_tum
 from mitl.recording.vive_text import is_vive_text, read_vive_text
+from mitl.samples import TrackerSamples
 
+_STATE = "/tracker/state"
 _MCAP = b"\x89MCAP0\r\n"
 _FORMATS = "MCAP, our CSV (t_s,x_mm,...), TUM text (t x y z qx qy qz qw), Vive text (# x y z w j i k Freq: 250) or the thesis's XML"
 
@@ -99,11 +103,21 @@ def read_tracker_recordings(file: Path, topic: str | None = None, columns: Colum
         if topic is None and topics:
             names = [str(file)] if len(topics) == 1 else [f"{file}:{name}" for name in topics]
             return [
-                TrackerRecording(name, recording.paths[each].path, damage=recording.damage)
+                TrackerRecording(name, samples_of(recording, each).trusted(), damage=recording.damage)
                 for name, each in zip(names, topics, strict=True)
             ]
         return [TrackerRecording(str(file), _chosen(file, recording, topic), damage=recording.damage)]
     return [TrackerRecording(str(file), read_path(file), nominal=is_vive_text(head))]
+
+
+def samples_of(recording: Recording, topic: str) -> TrackerSamples:
+    """Gives a topic's poses with what the tracker told beside them, where `mitl record` has kept it."""
+    path = recording.paths[topic].path
+    state = recording.series.get(topic.removesuffix(TRACKER) + _STATE) if topic.endswith(TRACKER) else None
+    if state is None or len(state.time) != len(path) or not {"result", "buttons", "vx", "vy", "vz"} <= set(state.columns):
+        return TrackerSamples.plain(path)
+    velocity = np.stack([state.column(name) for name in ("vx", "vy", "vz")], axis=1)
+    return TrackerSamples(path, state.column("result").astype(np.int16), state.column("buttons").astype(np.int16), velocity)
 
 
 def _head(path: Path) -> bytes:

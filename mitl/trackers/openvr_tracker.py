@@ -83,8 +83,8 @@ class OpenVrTracker:
         return self.path()
 
     def path(self) -> PosePath:
-        """Gives the path so far, while recording or after."""
-        return self.samples().path
+        """Gives the path so far, while recording or after; not valid where the device is out of sight."""
+        return self.samples().trusted()
 
     def samples(self) -> TrackerSamples:
         """Gives the path so far with result codes, buttons and the device's own velocity."""
@@ -118,7 +118,7 @@ class OpenVrTracker:
         with self._lock:
             averaged, self._averaging = self._averaging, None
         with before_others():
-            window = averaged.decoded().path
+            window = averaged.decoded().trusted()
         if not window.valid.any():
             raise RigError(f"the tracker is lost: none of {len(window)} samples in {seconds} s is valid{self._why()}")
         return average(window)

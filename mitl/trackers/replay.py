@@ -56,8 +56,8 @@ class ReplayTracker:
         return path
 
     def path(self) -> PosePath:
-        """Gives the path so far, while it is played or after."""
-        return self.samples().path
+        """Gives the path so far, while it is played or after; not valid where the device was out of sight."""
+        return self.samples().trusted()
 
     def samples(self) -> TrackerSamples:
         """Gives the path so far with result codes, buttons and velocities."""
@@ -81,7 +81,7 @@ class ReplayTracker:
         begin = self._time()
         self._clock.wait(seconds)
         end = self._time()
-        window = self._between(begin, end).path
+        window = self._between(begin, end).trusted()
         if not np.any(window.valid):
             self._ended(begin)
             raise RigError(f"the tracker is lost: none of {len(window)} samples in {seconds} s is valid")

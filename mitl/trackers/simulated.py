@@ -5,7 +5,7 @@ Invariant: it knows the samples and nothing else of the world; times are on its 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial.distance import cdist
@@ -71,8 +71,8 @@ class SimulatedTracker:
         return path
 
     def path(self) -> PosePath:
-        """Gives the path so far, while recording or after."""
-        return self.samples().path
+        """Gives the path so far, while recording or after; not valid where the device is out of sight."""
+        return self.samples().trusted()
 
     def samples(self) -> TrackerSamples:
         """Gives the path so far with result codes, buttons and the device's own velocity."""
@@ -128,13 +128,13 @@ class SimulatedTracker:
     def _receive(self, samples: TrackerSamples) -> None:
         path = samples.path
         times = self._clock.offset + (1.0 + self._clock.rate_error) * path.time
-        own = PosePath(times, path.position, path.quaternion_wxyz, path.valid)
+        own = replace(path, time=times)
         if self._recording and self._recorded is not None:
             self._recorded.append(TrackerSamples(own, samples.result, self._pressed(path.time), samples.velocity))
         elif self._buttons:
             self._pressed(path.time)
         if self._averaging is not None:
-            self._averaging.append(own)
+            self._averaging.append(replace(samples.trusted(), time=times))
         self._latest = own.select(np.arange(len(own)) == len(own) - 1)
 
     def _pressed(self, world_times: FloatArray) -> CodeArray:

@@ -4,6 +4,7 @@ Each is one run of the real command in a process of its own; the robot is watche
 each, nearly all of which is waiting: the network is cut for as long as the rig must survive it.
 """
 
+import base64
 import contextlib
 import json
 import os
@@ -26,6 +27,7 @@ from mitl.rig.monotonic_clock import MonotonicClock
 
 from ..trackers import steamvr
 
+SECRET = "correct-horse-battery-staple"  # noqa: S105 - of these tests
 PROGRAM = """MODULE Orders
   CONST jointtarget home := [[0,0,0,0,30,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
   VAR num option := 0;
@@ -131,10 +133,10 @@ class Cell:
         self.file.write_text(f"{rig}[safety]\nunattended = true\nfirst_speed = 100\nheartbeat_s = 1.0\n", encoding="utf-8")
         (folder / "orders.mod").write_text(PROGRAM, encoding="utf-8")
         (folder / "test_own.py").write_text(CASES, encoding="utf-8")
-        self.onlooker = RwsController(Transport(address, Rws1(), Credentials("Default User", "robotics")), MonotonicClock())
+        self.onlooker = RwsController(Transport(address, Rws1(), Credentials("Default User", SECRET)), MonotonicClock())
 
     def verify(self, angle, *options):
-        words = [sys.executable, "-m", "mitl", "verify", "--tests", str(self.folder), "--rig", str(self.file), "--arm"]
+        words = [sys.executable, "-m", "mitl", "--debug", "verify", "--tests", str(self.folder), "--rig", str(self.file), "--arm"]
         words += ["--out", str(self.folder / "run"), *options]
         environment = {**os.environ, "MITL_TEST_ANGLE": str(angle)}
         return subprocess.Popen(words, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
@@ -169,7 +171,7 @@ class Cell:
 
 @pytest.fixture
 def cell(tmp_path, monkeypatch):
-    for name, value in {**steamvr.environment(tmp_path / "poses"), "MITL_RWS_PASSWORD": "robotics"}.items():
+    for name, value in {**steamvr.environment(tmp_path / "poses"), "MITL_RWS_PASSWORD": SECRET, "MITL_SERVE_PASSWORD": SECRET}.items():
         monkeypatch.setenv(name, value)
     command = [sys.executable, "-m", "mitl", "serve", "--poses", str(tmp_path / "poses"), "--tracker", "ideal"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
@@ -205,6 +207,29 @@ def test_a_run_that_is_killed_leaves_a_robot_that_is_stopped_and_goes_on_where_i
 def test_a_run_that_is_killed_with_its_guardian_leaves_a_robot_that_stops_itself(cell):
     killed(cell, guardian=True)
     assert cell.stopped_itself()
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupted_run_stops_the_robot_puts_back_what_it_found_and_tells_no_secret(cell, number):
+    found = cell.folder / "found.mod"
+    found.write_text(PROGRAM.replace("MODULE Orders", "MODULE Found\n  VAR num marker := 42;"), encoding="utf-8")
+    cell.onlooker.load([found])
+    cell.onlooker.set_speed_ratio(70.0)
+    cell.onlooker.leave()
+    run = cell.verify(90)
+    cell.moving(run)
+    run.send_signal(number)
+    cell.rests_on_its_way(within=5.0)
+    said, _ = run.communicate(timeout=60)
+    assert run.returncode not in (0, 1), said
+    assert not cell.stopped_itself(), "it was told to stop"
+    assert cell.onlooker.speed_ratio() == 70.0
+    assert cell.onlooker.read("marker") == "42", "the program that was found is there again"
+    kept = [file for file in (cell.folder / "run").rglob("*") if file.is_file()]
+    assert {"results.json", "summary.txt"} <= {file.name for file in kept}
+    secrets = [SECRET.encode(), base64.b64encode(f"Default User:{SECRET}".encode()), b"ABBCX", b"-http-session-"]
+    for content in (said.encode(), *(file.read_bytes() for file in kept)):
+        assert [secret for secret in secrets if secret in content] == []
 
 
 def test_a_network_that_is_cut_for_ten_seconds_costs_the_case_that_ran_and_no_other(cell):

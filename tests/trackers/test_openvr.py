@@ -79,7 +79,7 @@ def test_pose_velocity_and_result_arrive_as_they_were_told(bench, source):
     assert set(seen.result) == {TrackingResult.RUNNING_OK}
 
 
-def test_an_occluded_device_stays_valid_and_says_that_it_is_out_of_range(bench):
+def test_an_occluded_device_says_that_it_is_out_of_range_and_its_pose_is_not_trusted_though_it_calls_it_valid(bench):
     bench.devices()
     bench.tell(samples(500, result=TrackingResult.RUNNING_OUT_OF_RANGE), ahead=-0.1)
     tracker = bench.tracker()
@@ -87,7 +87,10 @@ def test_an_occluded_device_stays_valid_and_says_that_it_is_out_of_range(bench):
     bench.clock.wait(0.05)
     tracker.stop()
     assert set(tracker.samples().result) == {TrackingResult.RUNNING_OUT_OF_RANGE}
-    assert tracker.path().valid.all()
+    assert tracker.samples().path.valid.all()
+    assert not tracker.path().valid.any()
+    with pytest.raises(RigError, match="lost"):
+        tracker.average(0.05)
 
 
 @pytest.mark.parametrize("told", [samples(500, valid=False), samples(500, x=np.nan)])
