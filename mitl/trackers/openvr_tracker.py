@@ -84,7 +84,8 @@ class OpenVrTracker:
 
     def path(self) -> PosePath:
         """Gives the path so far, while recording or after; not valid where the device is out of sight."""
-        return self.samples().trusted()
+        with before_others():
+            return self.samples().trusted()
 
     def samples(self) -> TrackerSamples:
         """Gives the path so far with result codes, buttons and the device's own velocity."""

@@ -6,6 +6,7 @@ next is taken at its own deadline.
 
 from __future__ import annotations
 
+import ctypes
 import os
 import sys
 import threading
@@ -111,7 +112,19 @@ def before_others() -> Iterator[None]:
     try:
         yield
     finally:
-        os.sched_setscheduler(0, policy, parameters)
+        _step_back(policy, parameters.sched_priority)
+
+
+def _step_back(policy: int, priority: int) -> None:
+    """Gives this thread its former place behind others, and Python's interpreter away meanwhile.
+
+    Python's own call keeps the interpreter: the system, which may give the processor to another program in that very moment, would leave
+    the sampling to wait for a thread that does not run.
+    """
+    libc = ctypes.CDLL(None, use_errno=True)
+    if libc.sched_setscheduler(0, policy, ctypes.byref(ctypes.c_int(priority))) != 0:
+        number = ctypes.get_errno()
+        raise OSError(number, os.strerror(number))
 
 
 def _prefer_this_thread() -> bool:
