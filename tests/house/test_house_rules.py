@@ -32,6 +32,24 @@ def test_no_exception_handler_is_empty():
     assert [str(path) for path in CODE if swallowed.search(path.read_text(encoding="utf-8"))] == []
 
 
+def test_the_computers_date_is_read_for_stamps_and_ages_only():
+    """Somebody or the network sets the clock in the night: whatever waits, paces or watches takes a monotonic clock."""
+    of_the_wall = re.compile(r"datetime\.now|utcnow|time\.time\(|time_ns\(|localtime\(")
+    seen = {str(path.relative_to(ROOT)) for path in CODE if of_the_wall.search(path.read_text(encoding="utf-8"))}
+    assert seen == {
+        "mitl/calibration/store.py",  # when it was stored
+        "mitl/cli/gate.py",  # until when an issue is known
+        "mitl/cli/oracle_bless.py",  # when an oracle was blessed
+        "mitl/controllers/virtual/event_log.py",  # stamps
+        "mitl/controllers/virtual/resources/panel.py",  # the controller's own clock
+        "mitl/controllers/virtual/tls.py",  # the certificate's days
+        "mitl/engine/frame_watch.py",  # age of a stored calibration, told only
+        "mitl/engine/health.py",  # age of a health check, in hours
+        "mitl/engine/run.py",  # when the run began, told only
+        "mitl/rig/doctor.py",  # the two clocks' difference, age of a calibration
+    }
+
+
 def test_the_tests_mirror_the_packages():
     rooms = {path.name for path in (ROOT / "mitl").iterdir() if path.is_dir() and any(path.glob("*.py"))}
     assert rooms - {path.name for path in (ROOT / "tests").iterdir()} == set()
