@@ -28,6 +28,8 @@ creep after a stop, which grows over .7 s (facts/tracker.md), has not."""
 _EDGE = 0.1
 _REST = 0.3
 """Seconds of standstill after the first move that help to tell the clocks' offset; the programs wait for half a second there."""
+MOST_UNSEEN = 0.5
+"""Seconds of a judged motion that may go unseen: as long as the robot goes on moving with its tracker lost (docs/physical_rig.md)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,10 +45,18 @@ class TimedRun:
         return [move for move in self.run.oracle.moves if move.kind == kind]
 
     def during(self, first: ProgrammedMove, last: ProgrammedMove | None = None) -> PosePath:
-        """Gives the samples from the beginning of one move to the end of it or of a later one, less a tenth of a second at both ends."""
-        chosen = self.tool.between(first.begins + _EDGE, (last or first).ends - _EDGE)
+        """Gives the samples from the beginning of one move to the end of it or of a later one, less a tenth of a second at both ends.
+
+        Raises RigError where the tracker did not see half a second of it: what was not seen cannot be judged.
+        """
+        begin, end = first.begins + _EDGE, (last or first).ends - _EDGE
+        chosen = self.tool.between(begin, end)
         if len(chosen) == 0:
             raise RigError(f"no valid sample between {first.begins:.2f} s and {(last or first).ends:.2f} s of the run")
+        unseen = float(np.diff(chosen.time).max(initial=0.0))  # between samples: at the ends a robot may simply be early or late
+        if unseen > MOST_UNSEEN:
+            during = f"between {begin:.2f} s and {end:.2f} s of the run"
+            raise RigError(f"the tracker was out of sight for {unseen:.2f} s of the motion {during}")
         return chosen
 
 

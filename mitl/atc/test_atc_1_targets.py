@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from mitl.atc.measuring import TimedRun, budget_of_turn, timed
 from mitl.engine import Bench, Check, case
+from mitl.errors import RigError
 from mitl.metrics.orientation import turn_between
 from mitl.metrics.path_queries import average
 from mitl.metrics.uncertainty import Budget, Term
@@ -88,6 +89,8 @@ def _middle(path: PosePath, move: ProgrammedMove, late: float) -> float:
 
 def _rest(path: PosePath, stopped: float) -> FloatArray:
     """Gives the pose (7,) at which the tool came to rest: its creep since then is fitted, and taken off."""
+    if not path.valid.any():
+        raise RigError(f"the tracker was out of sight after the stop at {stopped:.2f} s of the run")
     mean = average(path)
     crept = 1.0 - np.exp(-(path.time - stopped) / CREEP_TAU)
     fitted = np.polyfit(crept[path.valid], path.position[path.valid], 1)[-1]

@@ -9,6 +9,7 @@ import numpy as np
 
 from mitl.atc.measuring import budget_of_path, budget_of_speed, budget_of_turn
 from mitl.engine import Bench, Check
+from mitl.errors import RigError
 from mitl.metrics.deviation import largest_deviation
 from mitl.outcome import Outcome
 from mitl.paths import FloatArray, PosePath
@@ -18,7 +19,9 @@ TURN_LIMIT = float(np.radians(5.0))
 
 
 def check_position(bench: Bench, check: Check, name: str, path: PosePath, deviation: FloatArray, limit: float) -> Outcome:
-    """Judges the largest window mean of a deviation (N,) or (N, 3) in m, by a limit in m."""
+    """Judges the largest window mean of a deviation (N,) or (N, 3) in m, by a limit in m. Raises RigError for none."""
+    if not len(path):
+        raise RigError(f"{name}: the tracker was out of sight")
     largest = largest_deviation(path.time, deviation)
     size = np.abs(deviation) if deviation.ndim == 1 else np.linalg.norm(deviation, axis=1)
     return check(

@@ -46,6 +46,8 @@ def test_a_sound_robot_does_not_fail_by_what_the_tracker_did_not_see(rig_file, t
     outcomes = {case["id"]: case["outcome"] for case in told["cases"]}
     assert outcomes == {"atc-1/direction": "error", "atc-1/linear": "pass"}  # the first would fail by 48 mm
     assert code == 4
+    said = [message["text"] for case in told["cases"] for message in case["messages"]]
+    assert any("out of sight" in text for text in said), said
 
 
 def test_recordings_keep_what_the_device_said_and_are_read_by_what_it_saw(rig_file, tmp_path):
