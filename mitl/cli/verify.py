@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from mitl.cli.duration import duration
 from mitl.errors import MitlError, UsageError
 
 if TYPE_CHECKING:
@@ -62,6 +63,28 @@ if TYPE_CHECKING:
     help="Run an inconclusive case at most N times: a sequential test, 5 % wrong verdicts at the limit over all rounds.",
 )
 @click.option("--long", "long", is_flag=True, help="Also run the cases that take hours of the rig's time (seconds in simulation).")
+@click.option(
+    "--budget",
+    callback=duration,
+    metavar="TIME",
+    help="Choose and order the cases that find most in so much of the rig's time, such as 45min or 8h, and say what was left out.",
+)
+@click.option(
+    "--store",
+    default="mitl-history.sqlite",
+    show_default=True,
+    envvar="MITL_HISTORY",
+    show_envvar=True,
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE",
+    help="For --budget: the history that tells how long cases took and which were not passed.",
+)
+@click.option(
+    "--power",
+    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    metavar="FILE",
+    help="For --budget: campaign.json of mitl campaign, which tells what the cases find; what they say of themselves without it.",
+)
 @click.option("--resume", is_flag=True, help="Go on with the run in --out: what was judged there stays, the rest is run.")
 @click.option(
     "--health",
@@ -87,6 +110,9 @@ def verify_command(
     faults: tuple[str, ...],
     out: Path,
     tests: Path | None,
+    budget: float | None,
+    store: Path,
+    power: Path | None,
     resume: bool,
     health: str | None,
     arm: bool,
@@ -114,12 +140,21 @@ def verify_command(
         *([f"--mitl-health={health}"] if health else []),
         *(["--mitl-long"] if long or only_list else []),
         *(f"--mitl-fault={fault}" for fault in faults),
-        *(f"--mitl-case={case}" for case in cases),
     ]
+    named = [f"--mitl-case={case}" for case in cases]
+    order: tuple[str, ...] = ()
+    if budget is not None:
+        chosen, order = _night(tests, [*options, *named], budget, rig=rig, store=store, power=power, out=None if only_list else out)
+        named = [f"--mitl-case={case}" for case in order]
+        if only_list:
+            click.echo(chosen)
+            return
+        click.echo(chosen, err=True)
+    options += named
     if only_list:
         click.echo(verify_output.listed(found_cases(tests, options), form))
         return
-    observer = Observer(progress=sys.stderr.isatty(), arm=arm)
+    observer = Observer(progress=sys.stderr.isatty(), arm=arm, order=order)
     run_pytest(tests, [*options, f"--mitl-out={out}"], observer, done=resume and (out / FILE_NAME).is_file())
     run = observer.run or read_run(out)
     if observer.unwritten:
@@ -130,6 +165,21 @@ def verify_command(
     else:
         click.echo(f"the report could not be made; the run is kept, try: mitl report {out}", err=True)
     context.exit(exit_code(run))
+
+
+def _night(
+    tests: Path | None, options: Sequence[str], budget: float, *, rig: str, store: Path, power: Path | None, out: Path | None
+) -> tuple[str, tuple[str, ...]]:
+    """Gives the plan of a night in words and the ids that it chose; keeps it in `out`. Raises UsageError where not one case fits."""
+    from mitl.cli.verify_night import planned_night  # noqa: PLC0415 - see above
+    from mitl.night.kept import in_words, write_night  # noqa: PLC0415 - see above
+
+    night = planned_night(found_cases(tests, [*options, "--mitl-long"]), budget, rig=rig, store=store, power=power)
+    if not night.chosen:
+        raise UsageError(f"--budget: no case fits into it; {in_words(night)}")
+    if out is not None:
+        write_night(out, night)
+    return in_words(night), tuple(offer.case for offer in night.chosen)
 
 
 def found_cases(tests: Path | None = None, options: Sequence[str] = ("--mitl-long",)) -> list[CaseInfo]:
@@ -145,10 +195,11 @@ def exit_code(run: RunRecord) -> int:
 
 
 class Observer:
-    """Pytest plug-in of one run: remembers what was collected and shows progress on standard error."""
+    """Pytest plug-in of one run: remembers what was collected and shows progress on standard error. order: of the cases, if it matters."""
 
-    def __init__(self, *, progress: bool, arm: bool = False) -> None:
+    def __init__(self, *, progress: bool, arm: bool = False, order: Sequence[str] = ()) -> None:
         self._arm = arm
+        self._order = {case: place for place, case in enumerate(order)}
         self.found: list[CaseInfo] = []
         self.broken: list[str] = []
         self.run: RunRecord | None = None
@@ -176,6 +227,13 @@ class Observer:
         """Remembers test files that cannot be read."""
         if report.failed:
             self.broken.append(f"{report.nodeid}: {report.longreprtext.strip().splitlines()[-1]}")
+
+    def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
+        """Puts the cases into their order."""
+        from mitl.engine.case import case_of  # noqa: PLC0415 - see above
+
+        if self._order:
+            items.sort(key=lambda item: self._order.get(info.id if (info := case_of(item)) else "", len(self._order)))
 
     def pytest_collection_finish(self, session: pytest.Session) -> None:
         """Takes the cases that will run."""
