@@ -142,6 +142,8 @@ def test_the_tables_tell_every_rate_with_its_bounds(tmp_path):
     page = paths[2].read_text(encoding="utf-8")
     assert "| speed | 5 | per cent |" in page
     assert "0 of 500, 0.0 % (0.0 to 0.7)" in page
+    write_tables(tmp_path, found, [], {"speed": "per cent"})
+    assert "nothing is told of false alarms" in paths[2].read_text(encoding="utf-8")
     assert json.loads(paths[1].read_text(encoding="utf-8"))["smallest_found"] == {"speed": 5.0}
     assert paths[0].read_text(encoding="utf-8").splitlines()[1].startswith("detection,speed,5.0,per cent,a/one,10,10,1.0,")
     assert paths[3].read_bytes().startswith(b"\x89PNG")
