@@ -40,6 +40,7 @@ def test_the_computers_date_is_read_for_stamps_and_ages_only():
         "mitl/calibration/store.py",  # when it was stored
         "mitl/cli/gate.py",  # until when an issue is known
         "mitl/cli/oracle_bless.py",  # when an oracle was blessed
+        "mitl/cli/verify_night.py",  # age of a case's last run, in days
         "mitl/controllers/virtual/event_log.py",  # stamps
         "mitl/controllers/virtual/resources/panel.py",  # the controller's own clock
         "mitl/controllers/virtual/tls.py",  # the certificate's days
