@@ -38,6 +38,7 @@ def add_options(parser: pytest.Parser) -> None:
     group.addoption("--mitl-seed", default=1, type=int, metavar="N", help="seed of the simulated rig (default 1)")
     group.addoption("--mitl-fault", action="append", default=[], metavar="NAME[=SIZE]", help="break the simulated controller on purpose")
     group.addoption("--mitl-case", action="append", default=[], metavar="CASE", help="run only this case id, or those below it")
+    group.addoption("--mitl-in-order", action="store_true", help="run cases in the order of the --mitl-case that asked for them")
     group.addoption(
         "--mitl-calibration", default=None, metavar="FILE", help="RAPID program with the calibration poses (default: the rig's)"
     )

@@ -53,19 +53,15 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Refuses ids that occur twice, and keeps what --mitl-case asks for."""
+    """Refuses ids that occur twice, keeps what --mitl-case asks for, and puts it into that order where --mitl-in-order says so."""
     infos = {item: info for item in items if (info := _info(item)) is not None}
-    seen: dict[str, pytest.Item] = {}
-    for item, info in infos.items():
-        former = seen.setdefault(info.id, item)
-        if former is not item:
-            raise pytest.UsageError(f"case id {info.id!r} is used twice: by {former.nodeid} and by {item.nodeid}")
     wanted: list[str] = config.getoption("mitl_case")
     if infos:
-        from mitl.engine.selection import select  # noqa: PLC0415 - only where there are cases
+        from mitl.engine.selection import place, refuse_used_twice, select  # noqa: PLC0415 - only where there are cases
         from mitl.errors import UsageError  # noqa: PLC0415
 
         try:
+            refuse_used_twice((info.id, item.nodeid) for item, info in infos.items())
             chosen = select(list(infos.values()), wanted, long=config.getoption("mitl_long"))
             done = _keeper(config).known() if config.getoption("mitl_resume") else frozenset()
         except UsageError as error:
@@ -73,6 +69,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         chosen -= done
         left_out = [item for item in items if (infos[item].id not in chosen if item in infos else bool(wanted))]
         items[:] = [item for item in items if item not in left_out]
+        if config.getoption("mitl_in_order"):
+            items.sort(key=lambda item: place(infos[item].id, wanted) if item in infos else len(wanted))
         config.hook.pytest_deselected(items=left_out)
 
 

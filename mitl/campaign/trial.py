@@ -15,7 +15,6 @@ import pytest
 
 from mitl import atc
 from mitl.campaign.plan import Trial
-from mitl.engine.case import case_of, matches
 from mitl.errors import MitlError, UsageError
 
 
@@ -32,15 +31,9 @@ class TrialResult:
 class _Outcomes:
     """Pytest plug-in: takes the outcomes as cases finish, and ends a trial that is run until something is found."""
 
-    def __init__(self, trial: Trial) -> None:
+    def __init__(self, *, until_found: bool) -> None:
         self.found: dict[str, str] = {}
-        self._trial = trial
-
-    @pytest.hookimpl(trylast=True)
-    def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
-        """Puts the cases in the trial's order where it matters which are run."""
-        if self._trial.until_found:
-            items.sort(key=self._place)
+        self._until_found = until_found
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         """Takes the record of a finished case."""
@@ -50,21 +43,17 @@ class _Outcomes:
 
     def pytest_runtest_logfinish(self) -> None:
         """Ends the session where a case has failed and no other is wanted."""
-        if self._trial.until_found and "fail" in self.found.values():
-            raise pytest.exit.Exception("a case has failed", returncode=pytest.ExitCode.TESTS_FAILED)
-
-    def _place(self, item: pytest.Item) -> int:
-        info = case_of(item)
-        return next((place for place, wanted in enumerate(self._trial.cases) if info and matches(info.id, wanted)), len(self._trial.cases))
+        if self._until_found and "fail" in self.found.values():
+            pytest.exit("a case has failed", returncode=pytest.ExitCode.TESTS_FAILED)
 
 
 def run_trial(trial: Trial) -> TrialResult:
     """Gives the outcomes of a trial. Raises UsageError for a bad rig, fault or case, MitlError where pytest breaks down."""
     folder = Path(atc.__file__).resolve().parent
-    outcomes = _Outcomes(trial)
+    outcomes = _Outcomes(until_found=trial.until_found)
     own = ["-c", os.devnull, f"--rootdir={folder}", "--noconftest", "--import-mode=importlib", "-p", "mitl.pytest_plugin"]
     quiet = ["-p", "no:cacheprovider", "-p", "no:terminal"]
-    asked = [f"--mitl-rig={trial.rig}", f"--mitl-seed={trial.seed}", *(f"--mitl-case={case}" for case in trial.cases)]
+    asked = [f"--mitl-rig={trial.rig}", f"--mitl-seed={trial.seed}", "--mitl-in-order", *(f"--mitl-case={case}" for case in trial.cases)]
     broken = [f"--mitl-fault={trial.fault}"] if trial.fault is not None else []
     told = io.StringIO()
     before = os.environ.get("PYTEST_DISABLE_PLUGIN_AUTOLOAD")

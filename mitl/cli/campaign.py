@@ -73,7 +73,7 @@ def campaign_command(
     found, alarms = detections(results), false_alarms(results)
     paths = write_tables(out, found, alarms, {name: kind.unit for name, kind in KINDS.items()})
     for fault, size in smallest_found(found).items():
-        told = "not found in 95 of 100 at any of these sizes" if size is None else f"found from {size:g} {KINDS[fault].unit} on"
+        told = "not found in 95 % of the runs at any of these sizes" if size is None else f"found from {size:g} {KINDS[fault].unit} on"
         click.echo(f"{fault}: {told}")
     for alarm in alarms:
         if alarm.rate.hits:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-_STORE = "mitl-history.sqlite"
+from mitl.cli.store_option import store_option
 
 
 @click.group(
@@ -14,16 +14,7 @@ _STORE = "mitl-history.sqlite"
     short_help="Keep runs, and see their trends.",
     epilog="Example: mitl history add mitl-run && mitl history page --html trend.html",
 )
-@click.option(
-    "--store",
-    default=_STORE,
-    show_default=True,
-    envvar="MITL_HISTORY",
-    show_envvar=True,
-    type=click.Path(dir_okay=False, path_type=Path),
-    metavar="FILE",
-    help="The SQLite file that keeps the runs.",
-)
+@store_option("The SQLite file that keeps the runs.")
 @click.pass_context
 def history_command(context: click.Context, store: Path) -> None:
     """Keeps runs in one SQLite file and tells what they tell together.

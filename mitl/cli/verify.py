@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import os
 import signal
 import sys
@@ -15,6 +16,7 @@ from typing import TYPE_CHECKING
 import click
 
 from mitl.cli.duration import duration
+from mitl.cli.store_option import store_option
 from mitl.errors import MitlError, UsageError
 
 if TYPE_CHECKING:
@@ -69,16 +71,7 @@ if TYPE_CHECKING:
     metavar="TIME",
     help="Choose and order the cases that find most in so much of the rig's time, such as 45min or 8h, and say what was left out.",
 )
-@click.option(
-    "--store",
-    default="mitl-history.sqlite",
-    show_default=True,
-    envvar="MITL_HISTORY",
-    show_envvar=True,
-    type=click.Path(dir_okay=False, path_type=Path),
-    metavar="FILE",
-    help="For --budget: the history that tells how long cases took and which were not passed.",
-)
+@store_option("For --budget: the history that tells how long cases took and which failed.")
 @click.option(
     "--power",
     type=click.Path(exists=True, dir_okay=False, path_type=Path),
@@ -128,7 +121,9 @@ def verify_command(
     Exit code: 0 all passed, 1 something failed, 2 usage, 3 nothing failed but something is inconclusive, 4 it could not be judged.
     """
     from mitl.cli import verify_output  # noqa: PLC0415 - heavy imports only when the command runs
+    from mitl.cli.verify_night import planned_night  # noqa: PLC0415 - see above
     from mitl.engine.results import FILE_NAME, read_run, text_of  # noqa: PLC0415 - see above
+    from mitl.night.kept import as_json, in_words, write_night  # noqa: PLC0415 - see above
 
     if form == "markdown" and not only_list:
         raise UsageError("--format markdown lists the cases: give --list too")
@@ -141,21 +136,27 @@ def verify_command(
         *(["--mitl-long"] if long or only_list else []),
         *(f"--mitl-fault={fault}" for fault in faults),
     ]
-    named = [f"--mitl-case={case}" for case in cases]
-    order: tuple[str, ...] = ()
+    asked = [f"--mitl-case={case}" for case in cases]
+    night = None
     if budget is not None:
-        chosen, order = _night(tests, [*options, *named], budget, rig=rig, store=store, power=power, out=None if only_list else out)
-        named = [f"--mitl-case={case}" for case in order]
-        if only_list:
-            click.echo(chosen)
-            return
-        click.echo(chosen, err=True)
-    options += named
+        night = planned_night(found_cases(tests, [*options, *asked, "--mitl-long"]), budget, rig=rig, store=store, power=power)
+        if form == "json" and only_list:
+            click.echo(json.dumps(as_json(night), indent=2))
+        else:
+            click.echo(in_words(night), err=not only_list)
+        if not night.chosen:
+            raise UsageError("--budget: no case fits into the time")
+        asked = ["--mitl-in-order", *(f"--mitl-case={offer.case}" for offer in night.chosen)]
     if only_list:
-        click.echo(verify_output.listed(found_cases(tests, options), form))
+        if night is None:
+            click.echo(verify_output.listed(found_cases(tests, [*options, *asked]), form))
         return
-    observer = Observer(progress=sys.stderr.isatty(), arm=arm, order=order)
-    run_pytest(tests, [*options, f"--mitl-out={out}"], observer, done=resume and (out / FILE_NAME).is_file())
+    observer = Observer(progress=sys.stderr.isatty(), arm=arm)
+    try:
+        run_pytest(tests, [*options, *asked, f"--mitl-out={out}"], observer, done=resume and (out / FILE_NAME).is_file())
+    finally:
+        if night is not None and observer.run is not None:  # the run has got as far as its folder
+            write_night(out, night)
     run = observer.run or read_run(out)
     if observer.unwritten:
         click.echo(f"mitl: warning: {observer.unwritten}", err=True)
@@ -165,21 +166,6 @@ def verify_command(
     else:
         click.echo(f"the report could not be made; the run is kept, try: mitl report {out}", err=True)
     context.exit(exit_code(run))
-
-
-def _night(
-    tests: Path | None, options: Sequence[str], budget: float, *, rig: str, store: Path, power: Path | None, out: Path | None
-) -> tuple[str, tuple[str, ...]]:
-    """Gives the plan of a night in words and the ids that it chose; keeps it in `out`. Raises UsageError where not one case fits."""
-    from mitl.cli.verify_night import planned_night  # noqa: PLC0415 - see above
-    from mitl.night.kept import in_words, write_night  # noqa: PLC0415 - see above
-
-    night = planned_night(found_cases(tests, [*options, "--mitl-long"]), budget, rig=rig, store=store, power=power)
-    if not night.chosen:
-        raise UsageError(f"--budget: no case fits into it; {in_words(night)}")
-    if out is not None:
-        write_night(out, night)
-    return in_words(night), tuple(offer.case for offer in night.chosen)
 
 
 def found_cases(tests: Path | None = None, options: Sequence[str] = ("--mitl-long",)) -> list[CaseInfo]:
@@ -195,11 +181,10 @@ def exit_code(run: RunRecord) -> int:
 
 
 class Observer:
-    """Pytest plug-in of one run: remembers what was collected and shows progress on standard error. order: of the cases, if it matters."""
+    """Pytest plug-in of one run: remembers what was collected and shows progress on standard error."""
 
-    def __init__(self, *, progress: bool, arm: bool = False, order: Sequence[str] = ()) -> None:
+    def __init__(self, *, progress: bool, arm: bool = False) -> None:
         self._arm = arm
-        self._order = {case: place for place, case in enumerate(order)}
         self.found: list[CaseInfo] = []
         self.broken: list[str] = []
         self.run: RunRecord | None = None
@@ -227,13 +212,6 @@ class Observer:
         """Remembers test files that cannot be read."""
         if report.failed:
             self.broken.append(f"{report.nodeid}: {report.longreprtext.strip().splitlines()[-1]}")
-
-    def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
-        """Puts the cases into their order."""
-        from mitl.engine.case import case_of  # noqa: PLC0415 - see above
-
-        if self._order:
-            items.sort(key=lambda item: self._order.get(info.id if (info := case_of(item)) else "", len(self._order)))
 
     def pytest_collection_finish(self, session: pytest.Session) -> None:
         """Takes the cases that will run."""

@@ -71,7 +71,7 @@ def drive_to_poses(rig: Rig, program: Path, numbers: Sequence[int] | None = None
     flange: list[FloatArray] = []
     tracked: list[FloatArray] = []
     jitter: list[float] = []
-    unseen: list[RigError] = []
+    unseen = 0
     try:
         controller.stop()
         controller.load([program])
@@ -84,9 +84,9 @@ def drive_to_poses(rig: Rig, program: Path, numbers: Sequence[int] | None = None
             try:
                 point = tracker.average(AVERAGE)
             except RigError as error:
-                unseen.append(error)  # one place out of sight costs its pose, as the arm itself may stand before a base station
-                if len(unseen) > max(1, len(chosen) // 4):
-                    raise
+                unseen += 1  # one place out of sight costs its pose, as the arm itself may stand before a base station
+                if unseen > max(1, len(chosen) // 4):
+                    raise RigError(f"{unseen} of {len(chosen)} poses are out of the tracker's sight; pose {pose}: {error}") from error
                 continue
             flange.append(controller.flange())
             tracked.append(np.concatenate([point.position, point.quaternion_wxyz]))
@@ -121,6 +121,7 @@ def calibrate_rig(rig: Rig, program: Path) -> SessionCalibration:
         "robot": rig.robot,
         "seed": str(rig.seed),
         "program": program.name,
+        "poses seen": str(len(poses)),
         "program sha256": hashlib.sha256(program.read_bytes()).hexdigest(),
         **rig.versions,
     }

@@ -60,4 +60,4 @@ def _remedy(check: CheckRecord) -> str:
     name = next((name for best, name in CLASSES if times <= best), None)
     if name is None:
         return f"a tracker {ceil(times)} times as quiet could, which not even {CLASSES[-1][1]} is"
-    return f"a tracker {times:.1f} times as quiet could, such as {name}"
+    return f"a tracker {times:.1f} times as quiet could, as {name} is beside a Vive"

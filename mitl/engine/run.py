@@ -219,7 +219,17 @@ def installed_versions() -> dict[str, str]:
 
 
 def _files_of_old_run(folder: Path) -> Sequence[str]:
-    own = [results.FILE_NAME, junit.FILE_NAME, summary.FILE_NAME, REPORT, REPLAY, "calibration.toml", "calibration.mcap", "history.json"]
+    own = [
+        results.FILE_NAME,
+        junit.FILE_NAME,
+        summary.FILE_NAME,
+        REPORT,
+        REPLAY,
+        "calibration.toml",
+        "calibration.mcap",
+        "history.json",
+        "night.json",
+    ]
     try:
         old = results.read_run(folder)
     except UsageError:

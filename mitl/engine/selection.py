@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 
 from mitl.engine.case import CaseInfo, matches
@@ -24,6 +24,20 @@ def select(cases: Sequence[CaseInfo], wanted: Sequence[str], *, long: bool = Fal
             raise UsageError(f"unknown case {name!r}: {_hint(ids, name)}")
         chosen |= (meant & usual) or meant
     return chosen if wanted else usual
+
+
+def refuse_used_twice(cases: Iterable[tuple[str, str]]) -> None:
+    """Raises UsageError for an id that two tests have; cases: id and the test's name."""
+    seen: dict[str, str] = {}
+    for case_id, name in cases:
+        if case_id in seen:
+            raise UsageError(f"case id {case_id!r} is used twice: by {seen[case_id]} and by {name}")
+        seen[case_id] = name
+
+
+def place(case_id: str, wanted: Sequence[str]) -> int:
+    """Gives which of `wanted` means the case first, or their number where none does."""
+    return next((number for number, name in enumerate(wanted) if matches(case_id, name.strip().rstrip("/"))), len(wanted))
 
 
 def _hint(ids: Sequence[str], name: str) -> str:

@@ -12,9 +12,9 @@ from mitl.recording.atomic import replacing
 FILE_NAME = "night.json"
 
 
-def write_night(folder: Path, night: Night) -> None:
-    """Writes the plan into the run's folder. Raises UsageError where it cannot be written."""
-    content = {
+def as_json(night: Night) -> dict[str, object]:
+    """Gives the plan as JSON values; times in s of the rig's time."""
+    return {
         "budget_s": night.budget,
         "before_s": night.before,
         "planned_s": round(night.seconds, 3),
@@ -22,10 +22,14 @@ def write_night(folder: Path, night: Night) -> None:
         "left_out": [_offer(offer) for offer in night.left_out],
         "found": {fault: round(share, 4) for fault, share in night.found.items()},
     }
+
+
+def write_night(folder: Path, night: Night) -> None:
+    """Writes the plan into the run's folder. Raises UsageError where it cannot be written."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with replacing(folder / FILE_NAME) as beside:
-            beside.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
+            beside.write_text(json.dumps(as_json(night), indent=2) + "\n", encoding="utf-8")
     except OSError as error:
         raise UsageError(f"{folder / FILE_NAME}: cannot be written: {error.strerror or error}") from error
 

@@ -13,7 +13,7 @@ from statistics import fmean
 from mitl.engine.case import CaseInfo
 from mitl.engine.json_value import read_json
 from mitl.history.store import KeptCase
-from mitl.night.plan import Offer
+from mitl.night.plan import TO_LOOK_AT, Offer
 from mitl.outcome import Outcome
 
 NAMED = 0.95
@@ -21,12 +21,11 @@ NAMED = 0.95
 _RECENT = 5
 """Runs of a case, the latest, whose mean duration counts."""
 FAILED, NEW, WEEK_OLD, SHARE = 3.0, 0.5, 0.5, 0.02
-"""What a case is worth beside what it finds, in faults found: it was not passed the last time; it has never run here; its last run is a
-week old (less in proportion); and for running at all, so that time that is left is used.
+"""What a case is worth beside what it finds, in faults found: it failed, or could not be judged, the last time; it has never run here; its
+last run is a week old (less in proportion); and for running at all, so that time that is left is used.
 
-ASSUMPTION A-338: a case that was not passed is worth three faults, because the morning's first question is whether it still is not.
+ASSUMPTION A-338: a case that failed is worth three faults, because the morning's first question is whether it still does.
 """
-_SKIPPED = (Outcome.SKIPPED,)
 
 
 def offers(
@@ -43,10 +42,10 @@ def offers(
     """
     made = []
     for info in infos:
-        past = [case for case in kept if case.id == info.id and case.outcome not in _SKIPPED]
+        past = [case for case in kept if case.id == info.id and case.outcome is not Outcome.SKIPPED]
         took = [case.duration_s for case in past[-_RECENT:] if case.duration_s > 0.0]
-        finds = {fault: (power or {}).get((info.id, fault), NAMED) for fault in info.catches}
-        finds |= {fault: found for (case, fault), found in (power or {}).items() if case == info.id}
+        measured = {fault: rate for (case, fault), rate in (power or {}).items() if case == info.id}
+        finds = {**dict.fromkeys(info.catches, NAMED), **measured}
         last = past[-1].outcome if past else None
         made.append(Offer(info.id, fmean(took) if took else info.typical_s, finds, _urgency(past, now), last))
     return made
@@ -69,5 +68,5 @@ def _urgency(past: Sequence[KeptCase], now: datetime) -> float:
     if not past:
         return SHARE + NEW
     days = (now - datetime.fromisoformat(past[-1].run.started)).total_seconds() / 86400.0
-    bad = FAILED if past[-1].outcome is not Outcome.PASS else 0.0
+    bad = FAILED if past[-1].outcome in TO_LOOK_AT else 0.0
     return SHARE + bad + WEEK_OLD * min(max(days / 7.0, 0.0), 1.0)

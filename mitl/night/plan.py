@@ -14,6 +14,9 @@ from scipy.optimize import Bounds, LinearConstraint, milp
 from mitl.errors import MitlError
 from mitl.outcome import Outcome
 
+TO_LOOK_AT = frozenset({Outcome.FAIL, Outcome.ERROR})
+"""Outcomes that make a case urgent. What was inconclusive has been repeated already, and may stay so on this rig."""
+
 
 @dataclass(frozen=True)
 class Offer:
@@ -80,10 +83,10 @@ def _solved(offers: Sequence[Offer], faults: Sequence[str], seconds: float) -> l
 
 
 def _ordered(chosen: Sequence[Offer]) -> list[Offer]:
-    """Gives what was not passed the last time first, then always the case that adds most a second: a night that breaks off has the best."""
+    """Gives what failed the last time first, then always the case that adds most a second: a night that breaks off has the best."""
     left, done = list(chosen), list[Offer]()
     while left:
-        best = max(left, key=lambda offer: (offer.last not in {None, Outcome.PASS}, _added(offer, done) / offer.seconds, offer.case))
+        best = max(left, key=lambda offer: (offer.last in TO_LOOK_AT, _added(offer, done) / offer.seconds, offer.case))
         left.remove(best)
         done.append(best)
     return done

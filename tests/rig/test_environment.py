@@ -4,7 +4,7 @@ import shutil
 
 import pytest
 
-from mitl.errors import UsageError
+from mitl.cli import run
 from mitl.resources import models_folder
 from mitl.rig.environment import folder_fingerprint, text_fingerprint
 from mitl.rig.load import load_rig
@@ -52,8 +52,16 @@ def test_the_simulated_rig_says_what_it_was_made_of(tmp_path):
     assert other["robot model"] == known["robot model"]
 
 
-def test_a_rig_without_a_robot_has_no_record(tmp_path):
-    file = tmp_path / "rig.toml"
-    file.write_text("[rig]\nrobot = 'nobody'\n", encoding="utf-8")
-    with pytest.raises(UsageError, match="nobody"):
-        load_rig(str(file), 1, ())
+def test_a_run_is_not_resumed_with_another_tracker_model(tmp_path, capsys):
+    shutil.copy(models_folder() / "trackers" / "ideal.toml", tmp_path / "mine.toml")
+    (tmp_path / "rig.toml").write_text("[rig]\ntracker = 'mine.toml'\n", encoding="utf-8")
+    words = ["verify", "atc-1/direction", "--rig", str(tmp_path / "rig.toml"), "--out", str(tmp_path / "run")]
+    assert run(words) == 0
+    assert run([*words, "--resume"]) == 0
+    preset = (tmp_path / "mine.toml").read_text(encoding="utf-8")
+    changed = preset.replace("rate_hz = 250.0", "rate_hz = 200.0")
+    assert changed != preset
+    (tmp_path / "mine.toml").write_text(changed, encoding="utf-8")
+    capsys.readouterr()
+    assert run([*words, "atc-1/linear", "--resume"]) == 2
+    assert "tracker model of hand" in capsys.readouterr().err
