@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from mitl.engine.reach import unseen
 from mitl.engine.record import BudgetTerm, CaseRecord, CheckRecord
 from mitl.engine.wording import reason
 from mitl.errors import UsageError
@@ -59,7 +60,10 @@ class CheckView:
 
 @dataclass(frozen=True)
 class CaseView:
-    """A case as the page shows it. anchor: unique on the page. worst: the share of its limit that the worst check uses, or None."""
+    """A case as the page shows it. anchor: unique on the page. worst: the share of its limit that the worst check uses, or None.
+
+    blind: what the rig cannot see in it, or "".
+    """
 
     case: CaseRecord
     anchor: str
@@ -69,6 +73,7 @@ class CaseView:
     notes: tuple[str, ...]
     reasons: tuple[str, ...]
     worst: float | None
+    blind: str
 
     @property
     def words(self) -> str:
@@ -111,6 +116,7 @@ def case_view(case: CaseRecord, number: int, folder: Path, points: int) -> CaseV
         tuple(notes),
         tuple(reason(case).splitlines()),
         max(shares, default=None),
+        unseen(case),
     )
 
 

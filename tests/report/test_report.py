@@ -294,3 +294,12 @@ def test_many_samples_make_a_small_page(tmp_path):
     n = 60_000
     record(tmp_path, "a.mcap", [RecordedRun("1", None, path(n), path(n))])
     assert len(render(folder_of(tmp_path, case(0, checks=[check()], recording="a.mcap")))) < 200_000
+
+
+@pytest.mark.parametrize(("spread", "told"), [(20.0, True), (2.9, False)])
+def test_it_says_what_the_rig_cannot_see(spread, told, tmp_path):
+    check = CheckRecord("speed", 1.0, "mm/s", 5.0, spread, Outcome.INCONCLUSIVE, budget=(BudgetTerm("random", spread),))
+    one = CaseRecord("a/b", "Title", Outcome.INCONCLUSIVE, checks=(check,), catches=("speed-dip",))
+    (tmp_path / "results.json").write_text(text_of(RunRecord("sim", "irb140", 1, (one,), {})), encoding="utf-8")
+    page = Page(render(tmp_path))
+    assert ("this rig cannot see what stays small of speed-dip" in " ".join(page.text)) is told
