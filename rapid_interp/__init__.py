@@ -10,14 +10,17 @@ Standard library only. It never waits, moves or measures: see `effects`.
 """
 
 from rapid_interp.errors import Diagnostic, RapidError, RapidErrors, Severity
-from rapid_interp.program import Program, Task, check, check_texts, load, load_text, start_tasks
+from rapid_interp.orders import Order, orders
+from rapid_interp.program import Comment, Program, Task, check, check_texts, load, load_text, start_tasks
 from rapid_interp.running.network import HostNetwork, Network
 from rapid_interp.source import SourceText
 
 __all__ = [
+    "Comment",
     "Diagnostic",
     "HostNetwork",
     "Network",
+    "Order",
     "Program",
     "RapidError",
     "RapidErrors",
@@ -28,5 +31,6 @@ __all__ = [
     "check_texts",
     "load",
     "load_text",
+    "orders",
     "start_tasks",
 ]

@@ -24,6 +24,7 @@ from rapid_interp.reading.expressions import ExpressionParser, SyntaxProblem
 from rapid_interp.reading.files import read_texts
 from rapid_interp.reading.lexer import END
 from rapid_interp.reading.modules import Parsed, parse_any
+from rapid_interp.reading.tree import Module
 from rapid_interp.running.format import literal
 from rapid_interp.running.mail import Mail
 from rapid_interp.running.modules import ModuleTable
@@ -33,6 +34,17 @@ from rapid_interp.running.task import MAX_STEPS, Stepper
 from rapid_interp.running.values import Fault, frozen, is_python_record, to_record
 from rapid_interp.shared import SharedData, common_values, shared_slots
 from rapid_interp.source import SourceText
+
+
+@dataclass(frozen=True)
+class Comment:
+    """A comment from the exclamation mark on, its place (1-based), and whether nothing else is on its line."""
+
+    file: str
+    line: int
+    column: int
+    text: str
+    alone: bool
 
 
 @dataclass(frozen=True)
@@ -76,6 +88,22 @@ class Program:
         if required:
             raise RapidError(f"{entry.name} cannot be started: it needs the arguments {', '.join(required)}", code="RAPID-R361")
         return Task(self, entry, max_steps, files, network)
+
+    @property
+    def trees(self) -> tuple[Module, ...]:
+        """The syntax trees of the modules."""
+        return tuple(module for parsed in self._parsed for module in parsed.modules)
+
+    @property
+    def comments(self) -> tuple[Comment, ...]:
+        """All comments, in the order of the texts."""
+        found: list[Comment] = []
+        for parsed in self._parsed:
+            source = parsed.source
+            for start, text in sorted({comment for module in parsed.modules for comment in module.comments}):
+                line, column = source.position(start)
+                found.append(Comment(source.file, line, column, text, alone=not source.line_text(line)[: column - 1].strip()))
+        return tuple(found)
 
     def find_data(self, name: str, module: str = "") -> DataSymbol:
         """Gives the data of a name or `module:name`; without module, the one seen from `module` or any."""

@@ -15,8 +15,8 @@ MODULE ATC_5
   CONST robtarget pSingular1 := [[48.178,-189.6,206.239],[0.581416229,0.297400884,0.717989248,-0.240830487],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
   CONST robtarget pSingular2 := [[189.6,-48.178,206.239],[0.581416229,0.297400884,0.717989248,-0.240830487],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
   VAR speeddata vTurn := [100,40,5000,1000];
-  ! axis 5 of an IRB 140 turns to 115 deg
-  CONST jointtarget jBeyond := [[0,0,0,0,125,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+  ! axis 5 of an IRB 140 turns to 115 deg, that of an IRB 1200 to 130 deg
+  CONST jointtarget jBeyond := [[0,0,0,0,145,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
   ! share of a way that each of x and y has on a line across the robot, 45 deg to both
   CONST num diagonal := 0.707106781;
   VAR num option := 0;
@@ -77,6 +77,7 @@ MODULE ATC_5
       ConfJ \Off;
     CASE 2:
       ConfL \On;
+      ! preflight: expect configuration
       MoveL pFlipped, vTest, fine, tTest\WObj:=wTest;
       WaitTime 20;
     ENDTEST
@@ -163,6 +164,7 @@ MODULE ATC_5
     CASE 1:
       MoveAbsJ home, v500, fine, tTest;
     CASE 2:
+      ! preflight: expect axis-limit
       MoveAbsJ jBeyond, v500, fine, tTest;
       WaitTime 20;
     ENDTEST
@@ -177,6 +179,7 @@ MODULE ATC_5
     CASE 2:
       SingArea \Off;
     ENDTEST
+    ! preflight: allow axis-speed
     MoveL pSingular2, vTest, fine, tTest\WObj:=wTest;
     SingArea \Off;
     WaitTime 0.3;

@@ -16,8 +16,11 @@ import click
 from mitl.cli.oracle import read_assignment, read_input_change
 
 if TYPE_CHECKING:  # heavy imports only when the command runs
+    from collections.abc import Collection, Iterable
+
     from mitl.motion.preflight import Finding
     from mitl.simulation.preflight import Nearest, Report
+    from rapid_interp import Order, Task
 
 _POSITIVE = click.FloatRange(min=0)
 
@@ -66,7 +69,8 @@ def preflight_command(
 
     Runs the program without a rig and checks what the arm would really do, every 4 ms: reach and configuration of every target, axis
     and speed limits, distance from singularities, collisions of arm and tool with themselves and with a cell, a box for the tool.
-    A target that cannot be reached is skipped, so that one does not hide the next. Exit code 1 if there is an error.
+    A target that cannot be reached is skipped, so that one does not hide the next. A program that waits for orders (a loop that tests
+    a variable) is given each of them once, unless --set gives it one. Exit code 1 if there is an error.
     """
     import rapid_interp  # noqa: PLC0415 - see above
     from mitl.cli.progress import Progress  # noqa: PLC0415 - see above
@@ -91,16 +95,30 @@ def preflight_command(
         task = program.start(routine)
     except rapid_interp.RapidError as error:
         raise UsageError(f"--routine {routine}: {error.message}") from error
-    for name, value in (read_assignment(text) for text in presets):
+    values = dict(read_assignment(text) for text in presets)
+    for name, value in values.items():
         try:
             task.set(name, value)
         except rapid_interp.RapidError as error:
             raise UsageError(f"--set {name}={value}: {error.message}") from error
+    orders = left_open(rapid_interp.orders(program, routine), task, values)
     with Progress("pre-flight") as progress:
-        report = preflight(task, model, margins=margins, around=around, inputs=changes, max_time=max_time, progress=progress.at)
+        report = preflight(
+            task, model, margins=margins, around=around, inputs=changes, orders=orders, max_time=max_time, progress=progress.at
+        )
     click.echo(json.dumps(as_json(report), indent=2) if output_format == "json" else as_text(report))
     if report.errors:
         sys.exit(1)
+
+
+def left_open(orders: Iterable[Order], task: Task, given: Collection[str]) -> list[Order]:
+    """Gives the orders that set no data otherwise than the user did; none of data that the user gave the order with."""
+    names = {name.rpartition(":")[2].lower() for name in given}
+    return [
+        order
+        for order in orders
+        if order.name.lower() not in names and all(task.get(name) == value for name, value in order.values if name.lower() in names)
+    ]
 
 
 def as_text(report: Report) -> str:
@@ -109,6 +127,7 @@ def as_text(report: Report) -> str:
     lines = [_line(finding) for finding in report.findings]
     lines += [
         f"robot         {report.robot}",
+        *([f"orders        {len(report.orders)}, each to its end"] if report.orders else []),
         f"motion        {report.duration_s:.3f} s, looked at every 4 ms (tool: {1e3 * measures.tool_step:.1f} mm at most)",
         f"to itself     {_gap(report.itself)}",
         f"to the cell   {_gap(report.cell)}",
@@ -122,7 +141,8 @@ def as_text(report: Report) -> str:
             f"singularities {_distances(report)}",
         ]
     errors, warnings = report.errors, len(report.findings) - report.errors
-    lines.append(f"findings      {errors} error{'s' * (errors != 1)}, {warnings} warning{'s' * (warnings != 1)}")
+    expected = f", {len(report.expected)} expected" if report.expected else ""
+    lines.append(f"findings      {errors} error{'s' * (errors != 1)}, {warnings} warning{'s' * (warnings != 1)}{expected}")
     return "\n".join(lines)
 
 
@@ -145,22 +165,25 @@ def as_json(report: Report) -> dict[str, Any]:
             "elbow_deg": _number(math.degrees(measures.elbow)),
             "shoulder_mm": _number(1e3 * measures.shoulder),
         },
-        "findings": [
-            {
-                "file": finding.file,
-                "module": finding.module,
-                "line": finding.line,
-                "column": finding.column,
-                "severity": finding.severity.value,
-                "code": finding.code,
-                "message": finding.message,
-                "time_s": _number(finding.time_s),
-                "value": _number(finding.value),
-                "limit": _number(finding.limit),
-                "unit": finding.unit,
-            }
-            for finding in report.findings
-        ],
+        "orders": [dict(reversed(order.values)) for order in report.orders],
+        "findings": [_finding_json(finding) for finding in report.findings],
+        "expected": [_finding_json(finding) for finding in report.expected],
+    }
+
+
+def _finding_json(finding: Finding) -> dict[str, Any]:
+    return {
+        "file": finding.file,
+        "module": finding.module,
+        "line": finding.line,
+        "column": finding.column,
+        "severity": finding.severity.value,
+        "code": finding.code,
+        "message": finding.message,
+        "time_s": _number(finding.time_s),
+        "value": _number(finding.value),
+        "limit": _number(finding.limit),
+        "unit": finding.unit,
     }
 
 

@@ -7,20 +7,23 @@ nothing is looked at, and the report says how far the tool goes from one to the 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from mitl.errors import MotionError, UsageError
+from mitl.motion.expected_findings import set_apart
+from mitl.motion.flown_orders import fly, run_until_idle, waits_for
 from mitl.motion.offline import run_until, start_run
 from mitl.motion.preflight import Finding, ForgivingPlanner, Margins, Measures, Motion, Severity, executed, look_over, of_error, refusals
+from mitl.motion.program_run import ProgramRun
 from mitl.motion.robot_model import RobotModel
 from mitl.motion.signals import InputChange
 from mitl.simulation.cell import Cell
 from mitl.simulation.clearance import Clearance, Gap
-from rapid_interp import Diagnostic, RapidError, Task
+from rapid_interp import Diagnostic, Order, RapidError, Task
 
 _FAR = 0.3
 """Gaps in m beyond which nobody asks how far."""
@@ -46,7 +49,7 @@ class Report:
     """What a pre-flight saw. itself, cell: the nearest that the arm came to itself and to the cell; None if never within 0.3 m.
 
     Left out is what says nothing of the program: gaps within the wrist and its tool, and gaps that never change. Whether they touch is a
-    finding all the same.
+    finding all the same. expected: findings that a comment of the program expects. orders: those that were flown to their end.
     """
 
     robot: str
@@ -56,6 +59,8 @@ class Report:
     itself: Nearest | None
     cell: Nearest | None
     findings: tuple[Finding, ...]
+    expected: tuple[Finding, ...] = ()
+    orders: tuple[Order, ...] = ()
 
     @property
     def errors(self) -> int:
@@ -79,32 +84,82 @@ def preflight(
     margins: Margins,
     around: Surroundings,
     inputs: list[InputChange],
+    orders: Sequence[Order] = (),
     max_time: float | None = None,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Report:
     """Gives what is found about a task's motion. Never raises for what the program does: that is a finding.
 
-    max_time: cut the program off there, in s of its own time; without it one that runs on after 600 s is a finding.
+    orders: given one after the other where the program waits for orders (see `rapid_interp.orders`). max_time: cut the program off there,
+    in s of its own time; without it a start or an order that takes longer than 600 s is a finding.
     """
     planner = ForgivingPlanner(model)
-    run = start_run(task.run(), model, inputs=inputs, planner=planner)
-    ended: list[Finding] = []
+    conveyors = around.cell.conveyors if around.cell is not None else ()
+    run = start_run(task.run(), model, inputs=inputs, planner=planner, conveyors=conveyors)
+    flight = _Flight(task, run, math.inf if max_time is None else max_time, progress)
     try:
-        run_until(run, _LONGEST if max_time is None else max_time, progress=lambda now: progress(f"{now:.1f} s of the robot's time"))
+        flight.fly(orders)
     except MotionError as error:
-        ended.append(of_error(error))
+        flight.ended.append(of_error(error))
     except RapidError as error:
-        ended.append(Finding(Severity.ERROR, error.code, error.message, error.file, error.module, error.line, error.column))
-    if not ended and not run.finished and max_time is None and run.at is not None:
-        at = run.at
-        message = f"the program is still running after {_LONGEST:g} s of the robot's time; cut it off with --max-time"
-        ended.append(Finding(Severity.WARNING, "endless", message, at.file, at.module, at.line, at.column))
+        flight.ended.append(Finding(Severity.ERROR, error.code, error.message, error.file, error.module, error.line, error.column))
     motion = executed(run)
     measures, found = look_over(motion, margins)
     nearest, touching = _gaps(motion, model, around, progress)
-    findings = [*refusals(planner), *ended, *touching, *found]
-    findings.sort(key=lambda finding: (finding.file, finding.line, finding.column, finding.severity is Severity.WARNING))
-    return Report(model.name, float(run.record.end), len(motion.time), measures, nearest[False], nearest[True], tuple(findings))
+    findings, expected = set_apart([*refusals(planner), *flight.ended, *touching, *found], task.program.comments)
+    duration = float(run.record.end)
+    return Report(
+        model.name,
+        duration,
+        len(motion.time),
+        measures,
+        nearest[False],
+        nearest[True],
+        _in_order(findings),
+        _in_order(expected),
+        tuple(flight.done),
+    )
+
+
+class _Flight:
+    """Runs a program: to its end, or order by order. ended: what stopped it before."""
+
+    def __init__(self, task: Task, run: ProgramRun, until: float, progress: Callable[[str], None]) -> None:
+        self._task, self._run, self._until, self._progress = task, run, until, progress
+        self.ended: list[Finding] = []
+        self.done: list[Order] = []
+
+    def fly(self, orders: Sequence[Order]) -> None:
+        """Lets the program run, and gives it orders where it waits for them. Raises MotionError and RapidError."""
+        first = min(_LONGEST, self._until)
+        if not orders:
+            run_until(self._run, first, progress=self._told("the program"))
+        elif run_until_idle(self._run, first, self._told("the start")) and not self._run.finished and waits_for(self._task, orders):
+            self._fly_each(orders)
+            return
+        if not self._run.finished and self._until > _LONGEST:
+            run_until(self._run, first, progress=self._told("the program"))
+            self._endless(f"the program is still running after {_LONGEST:g} s of the robot's time; cut it off with --max-time")
+
+    def _fly_each(self, orders: Sequence[Order]) -> None:
+        for number, order in enumerate(orders, 1):
+            longest = min(_LONGEST, self._until - self._run.next_event())
+            if not fly(self._run, self._task, order, longest, self._told(f"order {number} of {len(orders)}: {order}")):
+                if longest == _LONGEST and not self._run.finished:
+                    self._endless(f"the order {order} is not done after {_LONGEST:g} s of the robot's time")
+                return
+            self.done.append(order)
+
+    def _endless(self, message: str) -> None:
+        if not self._run.finished and (at := self._run.at) is not None:
+            self.ended.append(Finding(Severity.WARNING, "endless", message, at.file, at.module, at.line, at.column))
+
+    def _told(self, what: str) -> Callable[[float], None]:
+        return lambda now: self._progress(f"{what}, {now:.1f} s of the robot's time")
+
+
+def _in_order(findings: Iterable[Finding]) -> tuple[Finding, ...]:
+    return tuple(sorted(findings, key=lambda finding: (finding.file, finding.line, finding.column, finding.severity is Severity.WARNING)))
 
 
 def unread(robot: str, diagnostics: Sequence[Diagnostic]) -> Report:

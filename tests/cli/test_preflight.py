@@ -184,31 +184,106 @@ def test_what_cannot_be_read_is_told_with_exit_code_2(tmp_path, capsys, words, s
     assert "Traceback" not in streams.err
 
 
-ORDERS = [
-    *(("atc_0.mod", option, sub) for option, subs in ((1, 4), (2, 3)) for sub in range(1, subs + 1)),
-    *(("atc_1.mod", option, sub) for option, subs in ((1, 2), (2, 2), (3, 4), (4, 1), (5, 1)) for sub in range(1, subs + 1)),
-    *(("atc_2.mod", option, sub) for option, sub in ((1, 4), (2, 1), (3, 1))),
-    *(("atc_4.mod", option, 1) for option in (1, 2, 3, 4)),
-    *(("atc_5.mod", option, sub) for option, sub in ((1, 1), (1, 3), (2, 3), (3, 1), (5, 1))),  # 4 is there to be refused
-    ("atc_6.mod", 1, 1),
-    *(("tracker.mod", option, 1) for option in (1, 2, 3)),
-    *(("calibration.mod", 1, pose) for pose in (1, 11, 21, 24)),
-]
+MODULES = sorted(path.name for path in ATC.glob("*.mod"))
 
 
-@pytest.mark.parametrize(("module", "option", "sub"), ORDERS)
-def test_our_own_cases_pass_without_findings_on_their_robot_in_a_cell(module, option, sub, capsys):
-    words = ["--set", f"option={option}", "--set", f"subOption={sub}", "--max-time", "12", "--cell", "bench", "--clearance", "20"]
+@pytest.mark.parametrize("robot", ["irb140", "irb1200_7_70"])
+@pytest.mark.parametrize("module", MODULES)
+def test_every_order_of_our_own_cases_passes_without_findings_in_a_cell(module, robot, capsys):
+    cell = "line" if module == "atc_8.mod" else "bench"
+    words = ["--robot", robot, "--cell", cell, "--clearance", "20"]
     assert run(["preflight", str(ATC / module), *words, "--format", "json"]) == 0
     report = json.loads(capsys.readouterr().out)
     assert report["findings"] == []
+    assert len(report["orders"]) >= 2
+    assert all("option" in order for order in report["orders"])
     assert report["samples"] > 50
 
 
-def test_the_order_that_a_controller_must_refuse_is_refused_in_advance(capsys):
+def test_the_orders_that_a_controller_must_refuse_are_refused_in_advance(capsys):
+    assert run(["preflight", str(ATC / "atc_5.mod"), "--format", "json"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert [finding["code"] for finding in report["expected"]] == ["configuration", "axis-limit", "axis-speed"]
     words = ["--set", "option=4", "--set", "subOption=2", "--max-time", "3"]
-    assert run(["preflight", str(ATC / "atc_5.mod"), *words, "--format", "json"]) == 1
-    assert [finding["code"] for finding in json.loads(capsys.readouterr().out)["findings"]] == ["axis-limit"]
+    assert run(["preflight", str(ATC / "atc_5.mod"), *words, "--format", "json"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert [finding["code"] for finding in report["expected"]] == ["axis-limit"]
+    assert report["orders"] == []
+
+
+@pytest.fixture
+def service(tmp_path, capsys):
+    """Writes a program that waits for orders, looks it over and gives exit code and JSON. Its first CASE is at line 9."""
+
+    def fly(*cases, options=(), before=""):
+        file = tmp_path / "s.mod"
+        tool = f"PERS tooldata {TOOL} := [TRUE,[[0,0,150],[1,0,0,0]],[1,[0,0,1],[1,0,0,0],0,0,0]];"
+        loop = ["WHILE TRUE DO", "TEST order", *cases, "DEFAULT:", "WaitTime 0.1;", "ENDTEST", "ENDWHILE"]
+        head = ["MODULE S", tool, "VAR num order := 0;", "VAR num part := 0;", "PROC main()", f"ConfL\\Off; ConfJ\\Off; {before}"]
+        file.write_text("\n".join([*head, *loop, "ENDPROC", "ENDMODULE"]) + "\n")
+        code = run(["preflight", str(file), "--format", "json", *options])
+        return code, json.loads(capsys.readouterr().out)
+
+    return fly
+
+
+FAR = line(950, 0, 400)
+NEAR = line(450, 0, 400, kind="MoveJ")
+
+
+def test_every_order_is_flown_and_a_bad_one_is_found_among_good_ones(service):
+    code, report = service("CASE 1:", NEAR, "order := 0;", "CASE 2:", FAR, "order := 0;", "CASE 3:", NEAR, "order := 0;")
+    assert code == 1
+    assert [(finding["code"], finding["line"]) for finding in report["findings"]] == [("reach", 13)]
+    assert report["orders"] == [{"order": 1}, {"order": 2}, {"order": 3}]
+
+
+def test_an_order_that_the_user_gives_is_the_only_one(service):
+    cases = ("CASE 1:", NEAR, "order := 0;", "CASE 2:", FAR, "order := 0;")
+    code, report = service(*cases, options=("--set", "order=1", "--max-time", "5"))
+    assert (code, report["findings"], report["orders"]) == (0, [], [])
+
+
+def test_data_that_the_user_sets_keep_their_value_in_every_order(service):
+    cases = ("CASE 1:", "TEST part", "CASE 1:", NEAR, "CASE 2:", FAR, "ENDTEST", "order := 0;")
+    code, report = service(*cases, options=("--set", "part=1"))
+    assert (code, report["orders"]) == (0, [{"order": 1, "part": 1}])
+    assert service(*cases)[0] == 1
+
+
+def test_an_order_that_is_never_done_is_told_with_its_values(service, monkeypatch):
+    from mitl.simulation import preflight
+
+    monkeypatch.setattr(preflight, "_LONGEST", 20.0)
+    code, report = service("CASE 1:", NEAR, "order := 0;", "CASE 2:", "WaitTime 5;", "CASE 3:", FAR, "order := 0;")
+    assert code == 0
+    assert [finding["code"] for finding in report["findings"]] == ["endless"]
+    assert "order = 2" in report["findings"][0]["message"]
+    assert report["orders"] == [{"order": 1}]
+
+
+def test_a_time_cuts_orders_off_without_a_finding(service):
+    cases = ("CASE 1:", NEAR, "order := 0;", "CASE 2:", "WaitTime 50;", "order := 0;")
+    code, report = service(*cases, options=("--max-time", "20"))
+    assert (code, report["findings"], report["orders"]) == (0, [], [{"order": 1}])
+
+
+def test_an_error_in_an_order_ends_the_flight_at_its_line(service):
+    code, report = service("CASE 1:", "TPWrite NumToStr(1/part,0);", "order := 0;", "CASE 2:", FAR, "order := 0;")
+    assert code == 1
+    assert [finding["line"] for finding in report["findings"]] == [10]
+    assert report["orders"] == []
+
+
+def test_a_program_that_chooses_its_own_way_is_given_no_orders(service, monkeypatch):
+    """A state machine: its loop tests what it set itself."""
+    from mitl.simulation import preflight
+
+    monkeypatch.setattr(preflight, "_LONGEST", 10.0)
+    code, report = service("CASE 1:", NEAR, "WaitTime 3;", "CASE 2:", FAR, before="order := 1;")
+    assert code == 0
+    assert [finding["code"] for finding in report["findings"]] == ["endless"]
+    assert report["orders"] == []
 
 
 def test_the_example_of_the_documentation_is_real(tmp_path, capsys, monkeypatch):
