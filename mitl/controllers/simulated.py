@@ -67,6 +67,7 @@ class SimulatedController:
         self._program: Program | None = None
         self._task: Task | None = None
         self._run: ProgramRun | None = None
+        self._former_outputs: dict[str, list[tuple[float, float]]] = {}
         self._failed = False
         self._motors = True
         self._speed_ratio = 1.0
@@ -97,6 +98,7 @@ class SimulatedController:
             belt.restart(self._origin)
         self._record = MotionRecord(self._model, joints_home())
         self._program = self._task = self._run = None
+        self._former_outputs = {}
         self._failed, self._motors, self._speed_ratio = False, True, 1.0
         self._events = []
 
@@ -151,6 +153,7 @@ class SimulatedController:
             raise RigError(f"load refused: {error.filename}: {error.strerror or error}") from error
         rest = self._record.joints_at(max(self._now() - self._origin, self._record.end))
         self._resumed_at = math.inf
+        self._keep_outputs()
         self._origin = self._now()
         self._record = MotionRecord(self._model, rest)
         self._task = self._program.start()
@@ -220,7 +223,14 @@ class SimulatedController:
     def output_changes(self, name: str, after: float, until: float) -> list[tuple[float, float]]:
         """Gives the changes (time in s, value) of an output after a time and up to another, as the wire at its terminal carries them."""
         changes = [] if self._run is None else self._run.signals.get(name, [])
-        return [(self._origin + at, value) for at, value in changes if after < self._origin + at <= until]
+        every = [*self._former_outputs.get(name, ()), *((self._origin + at, value) for at, value in changes)]
+        return [change for change in every if after < change[0] <= until]
+
+    def _keep_outputs(self) -> None:
+        """Keeps what the outputs did until now, as the program that did it goes."""
+        for name, changes in self._run.signals.items() if self._run is not None else ():
+            former = ((self._origin + at, value) for at, value in changes)
+            self._former_outputs.setdefault(name, []).extend(change for change in former if change[0] <= self._now())
 
     def joints(self) -> FloatArray:
         """Gives the axis positions (6,) in rad, as the controller reports them."""

@@ -87,6 +87,7 @@ class World:
         self._initialized = False
         self._processes: list[Process] = []
         self._needed: list[Callable[[], bool]] = []
+        self._prompt = False
 
     def add(self, process: Process) -> None:
         """Lets a process take part from now on."""
@@ -109,7 +110,8 @@ class World:
             self._run_due()
         self._skip_towards(target)
         self._advance_to(target)
-        self._flush()
+        if self._prompt:
+            self.flush()
 
     def skip_unless(self, needed: Callable[[], bool]) -> None:
         """Lets long waits at rest be skipped, down to their last second, while nobody of those who said so needs the samples.
@@ -132,21 +134,27 @@ class World:
         """The names of the tracked devices, the hand first."""
         return (*self._trackers, *self._standing)
 
-    def subscribe(self, receiver: Receiver, device: str = HAND) -> None:
-        """Has every chunk of a device's samples handed to `receiver`, in order, on this world's clock, as `wait` ends at the latest."""
+    def subscribe(self, receiver: Receiver, device: str = HAND, *, prompt: bool = True) -> None:
+        """Has every chunk of a device's samples handed to `receiver`, in order, on this world's clock, as `wait` ends at the latest.
+
+        prompt: False hands them over in chunks of the world's choice, which is much quicker; whoever reads them calls `flush` before.
+        """
+        self._prompt = self._prompt or prompt
         (self._trackers.get(device) or self._standing[device]).subscribe(receiver)
+
+    def flush(self) -> None:
+        """Hands over all samples up to now."""
+        for tracker in self._trackers.values():
+            tracker.flush()
+        for standing in self._standing.values() if self._initialized else ():  # after the hand, whose frame they share
+            standing.flush(self.now())
 
     def use_tracker_model(self, model: SensorModel, device: str = HAND) -> None:
         """Goes on with another sensor model of the same sampling rate, e.g. the same with another seed."""
         if model.period != self._trackers[HAND].period:
             raise ValueError(f"{device} samples every {self._trackers[HAND].period} s, the new model every {model.period} s")
+        self.flush()
         (self._trackers.get(device) or self._standing[device]).use(model)
-
-    def _flush(self) -> None:
-        for tracker in self._trackers.values():
-            tracker.flush()
-        for device in self._standing.values():  # after the hand, whose frame they share
-            device.flush(self.now())
 
     def _skip_towards(self, target: float) -> None:
         """Lets all but the last second up to `target` pass at once, if it is long, nothing moves and nobody needs it."""
@@ -156,7 +164,7 @@ class World:
         there = self._joint_source.joints_at(target)
         if not all(np.array_equal(self._joint_source.joints_at(time), there) for time in np.linspace(now, target, 50)):
             return
-        self._flush()
+        self.flush()
         period = next(iter(self._trackers.values())).period
         periods = math.floor((target - _LEAD - now) / period)  # whole ones, so that samples stay on their grid
         for tracker in self._trackers.values():

@@ -56,11 +56,12 @@ class SimulatedTracker:
         self._recorded: list[TrackerSamples] | None = None
         self._averaging: list[PosePath] | None = None
         self._latest: PosePath | None = None
-        world.subscribe(self._receive, device)
+        world.subscribe(self._receive, device, prompt=False)
         world.skip_unless(lambda: self._recording)
 
     def start(self) -> None:
         """Starts recording a new path."""
+        self._world.flush()
         self._recorded = []
         self._recording = True
 
@@ -78,15 +79,18 @@ class SimulatedTracker:
         """Gives the path so far with result codes, buttons and the device's own velocity."""
         if self._recorded is None:
             raise RigError("the tracker was not started: call start() before asking for a path")
+        self._world.flush()
         self._recorded = [TrackerSamples.joined(self._recorded)]
         return self._recorded[0]
 
     def wire(self, button: int, line: ButtonInput | WiredButton) -> None:
         """Wires a button (0 to 14). Whoever drives a ButtonInput calls its `change` before the world passes that time."""
+        self._world.flush()
         self._buttons[button] = line
 
     def latest(self) -> PosePath:
         """Gives the most recent sample as a path of length one."""
+        self._world.flush()
         if self._latest is None:
             raise RigError("the tracker has no sample yet: let some time pass first")
         if not self._latest.valid[0]:
@@ -96,9 +100,11 @@ class SimulatedTracker:
     def average(self, seconds: float) -> AveragedPoint:
         """Measures a still point for `seconds` of the rig's time from now on; recording may go on meanwhile."""
         begin = self._world.now()
+        self._world.flush()
         self._averaging = []
         try:
             self._world.wait(seconds)
+            self._world.flush()
             end = self._world.now()
             window = _joined(self._averaging)
         finally:

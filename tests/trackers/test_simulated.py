@@ -119,3 +119,37 @@ def test_the_diameter_of_many_points_is_found_in_blocks():
     points[[3, 2400]] = [[9.0, 0.0, 0.0], [-9.0, 0.0, 0.0]]
     assert diameter(points) == pytest.approx(18.0)
     assert diameter(points[:1]) == 0.0
+
+
+def test_samples_are_the_same_however_often_the_world_waits():
+    """Chunks are of the world's choice until somebody reads; what is read is all up to now."""
+    paths = []
+    for steps in (1, 200):
+        world, tracker = bench(THESIS)
+        world.wait(0.502)  # between two samples
+        tracker.start()
+        for _ in range(steps):
+            world.wait(2.0 / steps)
+        assert tracker.latest().time[0] == pytest.approx(tracker.path().time[-1])
+        world.wait(0.1)
+        path = tracker.stop()
+        world.wait(0.1)  # no longer recorded
+        assert len(tracker.path()) == len(path) == 525
+        paths.append(path)
+    assert np.array_equal(paths[0].position, paths[1].position)
+    assert np.array_equal(paths[0].time, paths[1].time)
+
+
+def test_a_button_that_is_wired_later_is_not_in_the_samples_before():
+    from mitl.simulation.tracker_button import ButtonInput
+
+    world, tracker = bench(IDEAL)
+    tracker.start()
+    world.wait(1.0)
+    line = ButtonInput(IDEAL.button, 1)
+    line.change(0.0, True)
+    tracker.wire(0, line)
+    world.wait(1.0)
+    buttons = tracker.samples().buttons
+    assert not buttons[:251].any()
+    assert buttons[251:].all()
