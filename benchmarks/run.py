@@ -81,6 +81,7 @@ class Result:
 
 ENTRIES = {
     "calibration": Entry(quick=("4",)),
+    "campaign_scaling": Entry(quick=("4",)),
     "fit_tracker": Entry(recordings=True),
     "fuzz_serve": Entry(full=("--requests", "50000", "--minutes", "10"), quick=("--requests", "5000", "--minutes", "1")),
     "inverse_kinematics": Entry(

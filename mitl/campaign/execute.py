@@ -31,8 +31,7 @@ def execute(
     """Gives the results of all trials by key, those of an interrupted campaign in the folder included.
 
     workers: processes on this computer, where no scheduler's address is given. progress: told how many of how many are done. run: what does
-    a trial; it is pickled. Raises
-    RigError where the scheduler does not answer, and what a trial raises.
+    a trial; it is pickled. Raises RigError where the scheduler does not answer, and what a trial raises.
     """
     from dask.distributed import Client, LocalCluster, as_completed  # noqa: PLC0415 - heavy, and only where trials are left to run
 
